@@ -207,6 +207,23 @@ std::optional<double> median_of(const std::vector<DetectorScore>& scores,
 
 }  // namespace
 
+std::vector<ColumnSpec> true_time_columns() {
+  std::vector<ColumnSpec> columns = onset_columns();
+  columns.push_back({"v_mps", ColumnType::real, false, positive_up_to(1e3)});
+  columns.push_back({"travel_time_s", ColumnType::real, false, known({0.0, 1.0})});
+  return columns;
+}
+
+TrueTimes true_times_from_table(const Table& table, const std::string& name) {
+  TrueTimes truth{onsets_from_table(table, name)};
+  if (const std::vector<double>* travel_s = table.reals("travel_time_s"))
+    for (std::size_t k = 0; k < truth.onsets.size(); ++k) truth.onsets[k].t_s += (*travel_s)[k];
+  const std::vector<double>* speeds = table.reals("v_mps");
+  if (speeds != nullptr && std::none_of(speeds->begin(), speeds->end(), [](double v) { return std::isnan(v); }))
+    truth.v_mps = *speeds;
+  return truth;
+}
+
 std::optional<double> Agreement::precision() const {
   return ratio(static_cast<double>(n_found), static_cast<double>(n_marked));
 }

@@ -53,7 +53,7 @@ TEST(DetectorScore, IsAsGoodWithALatencyAsWithout) {
 TEST(DetectorScore, SeesTheBoundBehindTheContactLaw) {
   // errors 2 us from a normal distribution about 5 us v^(-1/5): the ratio to a bound of 2 us is 1 within the error of a
   // standard deviation from 2000 numbers, 1/sqrt(4000) = 1.6 %, of which three are allowed
-  Random random(7, RandomStream::test);
+  Random random(7, RandomStream::test, 0);
   TrueTimes truth;
   Onsets marks;
   for (int k = 0; k < 2000; ++k) {

@@ -101,6 +101,22 @@ FUNCTIONS = {
             >>> calibration = bl.calibrate(samples=300, seeds=2)
             >>> "rows" in calibration.to_dict()
             True'''),
+    "validate": dict(
+        what="An onset detector against synthesized sound whose times are exactly known.",
+        positional=[
+            ("detector", "callable", None,
+             "Takes samples (float32, full scale = 1; (frames, channels) for several channels) and their rate [Hz], gives "
+             "the times of onsets [s], or a tuple of times and their standard errors."),
+            ("vary", "dict of lists", "None",
+             "Keywords and values to run through: one recording has the first of each, one each further value alone.")],
+        returns=("Validation", "Scores of each recording and of all."),
+        call="_stages.validate(detector, vary, given, progress)",
+        example='''
+            >>> import bouncelab as bl
+            >>> scene = dict(drops=1, impacts=12, asperities=1000, rate=22050, max_mode=10000)
+            >>> scores = bl.validate(lambda x, rate: bl.detect(x, rate).t, vary={"snr_db": [40, 20]}, **scene)
+            >>> scores.all["f_1ms"], len(scores.recordings)
+            (1.0, 2)'''),
     "loop": dict(
         what="The closed loop: simulate, synthesize, detect, restitution, fit, report, every stage in a folder.",
         keywords=[("out", "path", None, "Folder of the files; where absent a temporary one, which goes with the result.")],
@@ -218,7 +234,7 @@ from typing import Any, Dict, Literal, Optional, Sequence, Union
 
 from . import stages as _stages
 from .progress import Callback
-from .results import Calibration, Fit, Impacts, Loop, Onsets, Recording, Roughness, Samples
+from .results import Calibration, Fit, Impacts, Loop, Onsets, Recording, Roughness, Samples, Validation
 
 '''
 text += "\n".join("\n" + function(name, spec) for name, spec in FUNCTIONS.items())

@@ -213,19 +213,13 @@ std::vector<Case> given_cases(const ValidateOptions& options) {
   return cases;
 }
 
-/// Of a table that synthesize wrote the times at which the sound reaches the sensor, and the speeds.
 loop::TrueTimes read_truth(const fs::path& path, bool offset_only) {
   std::vector<std::string> taken_for;
   loop::TrueTimes truth{read_onsets(path, {}, taken_for)};
-  if (!taken_for.empty()) return truth;
-  const Table table = read_table(path, {{"v_mps", ColumnType::real, false, positive_up_to(1e3)},
-                                        {"travel_time_s", ColumnType::real, false, known({0.0, 1.0})}});
-  if (const std::vector<double>* travel_s = table.reals("travel_time_s"))
-    for (std::size_t k = 0; k < truth.onsets.size(); ++k) truth.onsets[k].t_s += (*travel_s)[k];
-  const std::vector<double>* speeds = table.reals("v_mps");
-  if (!offset_only && speeds != nullptr &&
-      std::none_of(speeds->begin(), speeds->end(), [](double v) { return std::isnan(v); }))
-    truth.v_mps = *speeds;
+  if (taken_for.empty())
+    truth = loop::true_times_from_table(read_table(path, loop::true_time_columns()), path.string());
+  if (offset_only) truth.v_mps.clear();
+  for (Onset& onset : truth.onsets) onset.recording.clear();  // one recording, whatever it is called
   return truth;
 }
 
@@ -333,6 +327,14 @@ Onsets onsets_of_lines(const std::string& text) {
   return onsets;
 }
 
+/// Times of any file. @param taken_for  a line where it is not a table of ours
+Onsets read_marks(const fs::path& file, std::vector<std::string>& taken_for) {
+  Onsets marks = read_onsets(file, {}, taken_for);
+  if (!taken_for.empty())
+    for (Onset& mark : marks) mark.sigma_t_s.reset();  // of the digits that it has, not of the detector
+  return marks;
+}
+
 void detect_by_program(const Detector& detector, const ValidateOptions& options, const fs::path& sound,
                        const fs::path& file, Marks& marks) {
   constexpr std::size_t kMostOutput_bytes = std::size_t{1} << 26;
@@ -350,7 +352,7 @@ void detect_by_program(const Detector& detector, const ValidateOptions& options,
   }
   if (detector.writes_file) {
     std::vector<std::string> taken_for;
-    marks.onsets = read_onsets(file, {}, taken_for);
+    marks.onsets = read_marks(file, taken_for);
   } else {
     marks.onsets = onsets_of_lines(result.output);
   }
@@ -376,8 +378,7 @@ Marks marks_of(const Detector& detector, const Case& c, const ValidateOptions& o
   Marks marks;
   const audio::AudioFormat format = audio::AudioReader(c.sound).format();
   const double duration_s = static_cast<double>(format.n_frames) / format.rate_hz;
-  loop::TrueTimes truth = read_truth(c.truth, options.offset_only);
-  for (Onset& onset : truth.onsets) onset.recording.clear();
+  const loop::TrueTimes truth = read_truth(c.truth, options.offset_only);
   try {
     if (detector.name == kBuiltin)
       detect_by_builtin(c.sound, marks);
@@ -544,12 +545,10 @@ Outcome run_marks(const ValidateOptions& options) {
   if (options.truth.empty()) throw InvalidArgument("--marks: name the file of the true times with --truth");
   std::vector<std::string> taken_for;
   const loop::TrueTimes truth = read_truth(options.truth, options.offset_only);
-  Onsets marks = read_onsets(options.marks, {}, taken_for);
+  Onsets marks = read_marks(options.marks, taken_for);
   std::stable_sort(marks.begin(), marks.end(), [](const Onset& a, const Onset& b) { return a.t_s < b.t_s; });
-  loop::TrueTimes nameless = truth;
-  for (Onset& onset : nameless.onsets) onset.recording.clear();
   for (Onset& onset : marks) onset.recording.clear();
-  const DetectorScore score = loop::score_detector(nameless, marks, 0.0, 0.0);
+  const DetectorScore score = loop::score_detector(truth, marks, 0.0, 0.0);
   Outcome outcome;
   outcome.result = object_of(members_of(&score), &score);
   outcome.text = heading("") + line_of(fs::path(options.marks).filename().string(), score);
@@ -577,14 +576,19 @@ std::vector<Section> validate_sections(ValidateOptions& options) {
       member("shell", &O::shell, "Commands are run by sh"),
       member("offset_only", &O::offset_only,
              "Errors less their offset alone: not less a + b v^(-1/5), where in the contact an onset is marked")};
+  std::vector<Section> sections = scene_sections(options);
+  sections.insert(sections.begin(), {"", &own, &options});
+  sections.push_back({"", &codec_option(), &options.synthesize, {"synthesize"}});
+  return sections;
+}
+
+std::vector<Section> scene_sections(ValidateOptions& options) {
   static const Description ball = ball_options("");
   Section disturbances = disturbances_section(options.synthesize);
   disturbances.stages = {"synthesize"};
-  return {{"", &own, &options},
-          {"", &ball, &options.world, {"simulate", "synthesize"}},
+  return {{"", &ball, &options.world, {"simulate", "synthesize"}},
           {"Ball, ground and drops", &members_of(&options.simulate), &options.simulate, {"simulate"}},
           {"Sound", &members_of(&options.synthesize), &options.synthesize, {"synthesize"}},
-          {"", &codec_option(), &options.synthesize, {"synthesize"}},
           disturbances};
 }
 

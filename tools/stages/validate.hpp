@@ -27,6 +27,8 @@ struct ValidateOptions {
   SynthesizeOptions synthesize;
 };
 std::vector<Section> validate_sections(ValidateOptions& options);
+/// What is synthesized: ball, drops, sound, disturbances.
+std::vector<Section> scene_sections(ValidateOptions& options);
 
 /// Scores detectors against true times: those of synthesized recordings, one for each value of each list of the
 /// configuration file beside the first, or of recordings that there are; or marks against truth, file against file.

@@ -539,3 +539,31 @@ class Calibration:
 
     def __repr__(self) -> str:
         return f"<Calibration: {json.dumps(self.results)[:200]}>"
+
+
+class Validation:
+    """How well an onset detector agrees with the true times of synthesized recordings.
+
+    Attributes
+    ----------
+    all : dict
+        Scores of all recordings together, by the names of docs/validation.md.
+    recordings : list of dict
+        Those of each, with ``recording``: in what it differs from the first.
+    """
+
+    def __init__(self, all: Dict[str, Any], recordings: List[Dict[str, Any]]):
+        self.all, self.recordings = all, recordings
+
+    def to_dict(self) -> dict:
+        """Both, by name."""
+        return {"all": self.all, "recordings": self.recordings}
+
+    def to_pandas(self) -> pd.DataFrame:
+        """A row for each recording."""
+        import pandas as pd
+
+        return pd.DataFrame(self.recordings)
+
+    def __repr__(self) -> str:
+        return f"<Validation over {len(self.recordings)} recordings: F {self.all['f_50ms']} at 50 ms, {self.all['f_1ms']} at 1 ms>"

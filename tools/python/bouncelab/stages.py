@@ -9,7 +9,7 @@ from typing import Any, Dict, List
 
 from . import _core
 from .progress import shown
-from .results import BouncelabWarning, Calibration, Fit, Impacts, Loop, Onsets, Recording, Roughness, Samples
+from .results import BouncelabWarning, Calibration, Fit, Impacts, Loop, Onsets, Recording, Roughness, Samples, Validation
 
 
 def _text(value: Any) -> str:
@@ -140,3 +140,40 @@ def calibrate(keywords: Dict[str, Any], progress: Any) -> Calibration:
     with shown(progress) as callback:
         found = _core.calibrate(_arguments(keywords), callback)
     return Calibration(json.loads(found["summary"]), found["columns"])
+
+
+def _settings(vary: Dict[str, Any]) -> List[Dict[str, Any]]:
+    """Those of the first recording, and what is changed in each further one."""
+    lists = {name.replace("-", "_"): list(values) for name, values in vary.items()}
+    first = {name: values[0] for name, values in lists.items()}
+    return [first, *({name: value} for name, values in lists.items() for value in values[1:])]
+
+
+def validate(detector: Any, vary: Any, keywords: Dict[str, Any], progress: Any) -> Validation:
+    import time
+
+    import numpy as np
+
+    names = {function: {option["name"].replace("-", "_") for option in json.loads(_core.options(function))}
+             for function in ("simulate", "synthesize")}
+    first, *others = _settings(vary or {})
+    recordings, names_of = [], []
+    with shown(progress) as callback:
+        for k, changed in enumerate([{}, *others]):
+            if callback is not None:
+                callback("validate", float(k), float(1 + len(others)), "recordings")
+            options = {**keywords, **first, **changed}
+            sound = synthesize(simulate({n: v for n, v in options.items() if n in names["simulate"]}, None), "recording",
+                               {n: v for n, v in options.items() if n in names["synthesize"]}, None)
+            begin = time.process_time()
+            found = detector(sound.samples, sound.rate)
+            seconds = time.process_time() - begin
+            t, sigma = found if isinstance(found, tuple) else (found, None)
+            order = np.argsort(np.asarray(t, float))
+            marks = {"t_s": np.asarray(t, float)[order]}
+            if sigma is not None:
+                marks["sigma_t_s"] = np.asarray(sigma, float)[order]
+            recordings.append((sound.truth.to_dict(), marks, sound.duration, seconds))
+            names_of.append(", ".join(f"{name} {value}" for name, value in changed.items()) or "all else")
+    scores = json.loads(_core.score_detector(recordings))
+    return Validation(scores["all"], [dict(recording=name, **score) for name, score in zip(names_of, scores["recordings"])])

@@ -41,6 +41,8 @@ Sections sections_of(stages::RoughnessOptions& options) {
 }
 Sections sections_of(stages::CalibrateOptions& options) { return {{"", &members_of(&options), &options}}; }
 Sections sections_of(stages::LoopOptions& options) { return stages::loop_sections(options); }
+/// Those of the scene alone: detectors are functions, and no file is written.
+Sections sections_of(stages::ValidateOptions& options) { return stages::scene_sections(options); }
 
 /// Sets each option to the texts that it was given. @return these
 stages::Given set_options(const Sections& sections, const Arguments& arguments) {
@@ -144,7 +146,8 @@ std::string options_json(const std::string& function) {
                                                            {"fit", options_of<stages::FitOptions>},
                                                            {"roughness", options_of<stages::RoughnessOptions>},
                                                            {"calibrate", options_of<stages::CalibrateOptions>},
-                                                           {"loop", options_of<stages::LoopOptions>}};
+                                                           {"loop", options_of<stages::LoopOptions>},
+                                                           {"validate", options_of<stages::ValidateOptions>}};
   const auto found = functions.find(function);
   if (found == functions.end()) throw InvalidArgument("no function '" + function + "'");
   return found->second().dump();

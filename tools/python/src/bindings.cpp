@@ -57,6 +57,7 @@ PYBIND11_MODULE(_core, m) {
   m.def("roughness", &roughness);
   m.def("calibrate", &calibrate);
   m.def("loop", &loop);
+  m.def("score_detector", &score_detector);
   m.def("restitution_of_law", &restitution_of_law);
   m.def("scatter", &scatter);
   m.def("sides_of_fluctuation", &sides_of_fluctuation);

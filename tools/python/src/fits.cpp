@@ -7,6 +7,7 @@
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/fluctuation.hpp"
 #include "bouncelab/core/restitution_law.hpp"
+#include "bouncelab/loop/detector_score.hpp"
 #include "bouncelab/report/answer.hpp"
 #include "bouncelab/report/page.hpp"
 #include "stages.hpp"
@@ -65,6 +66,18 @@ py::dict calibrate(const Arguments& arguments, const py::object& progress) {
   result["summary"] = json_text(stages::summary_of(loop::memory_calibration_groups(experiments)), 2);
   result["columns"] = columns_of(to_table(experiments));
   return result;
+}
+
+std::string score_detector(const std::vector<std::tuple<py::dict, py::dict, double, double>>& recordings) {
+  std::vector<loop::DetectorScore> scores;
+  for (const auto& [truth, marks, duration_s, processor_s] : recordings) {
+    loop::TrueTimes times = loop::true_times_from_table(table_of(truth, loop::true_time_columns(), "truth"), "truth");
+    for (Onset& onset : times.onsets) onset.recording.clear();  // marks have no name
+    Onsets onsets = onsets_from_table(table_of(marks, onset_columns(), "marks"), "marks");
+    std::stable_sort(onsets.begin(), onsets.end(), [](const Onset& a, const Onset& b) { return a.t_s < b.t_s; });
+    scores.push_back(loop::score_detector(times, onsets, duration_s, processor_s));
+  }
+  return json_text(Object{{"all", value_of(loop::pooled(scores))}, {"recordings", value_of(scores)}}, 2);
 }
 
 py::dict loop(const Arguments& arguments, const py::object& progress) {

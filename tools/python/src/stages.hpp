@@ -7,6 +7,7 @@
 #include <pybind11/stl.h>
 
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "arguments.hpp"
@@ -53,6 +54,9 @@ std::string fit(const py::dict& samples, const Arguments& arguments, const py::o
 std::string roughness(const py::dict& samples, const Arguments& arguments, const py::object& progress);
 /// @return {summary, columns of the experiments or None}
 py::dict calibrate(const Arguments& arguments, const py::object& progress);
+/// @param recordings  of each (truth: columns, marks: columns, duration_s, processor_s)
+/// @return JSON {all, recordings}: the scores of all and of each
+std::string score_detector(const std::vector<std::tuple<py::dict, py::dict, double, double>>& recordings);
 /// Into the folder that the arguments name. @return {summary, warnings, error}
 py::dict loop(const Arguments& arguments, const py::object& progress);
 /// eps(v) of a law as the command line describes it, "series:A2=0.0467,A4=0.1339,A5=-0.2876".

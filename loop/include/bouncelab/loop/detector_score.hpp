@@ -4,10 +4,12 @@
 #include <array>
 #include <cstddef>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "bouncelab/core/description.hpp"
 #include "bouncelab/core/onsets.hpp"
+#include "bouncelab/core/table.hpp"
 
 namespace bouncelab::loop {
 
@@ -16,6 +18,12 @@ struct TrueTimes {
   Onsets onsets;                ///< sigma_t_s is the Cramer-Rao bound of the time, where it is known
   std::vector<double> v_mps{};  ///< speeds of impact, as many as onsets; empty: not known
 };
+
+/// Columns of a table of true times: onset_columns(), and of one that synthesize wrote `v_mps` and `travel_time_s`.
+std::vector<ColumnSpec> true_time_columns();
+/// A detector finds the sound, so its true time is t_s + travel_time_s.
+/// @param name  of the file, for messages. @throws FileError as onsets_from_table
+TrueTimes true_times_from_table(const Table& table, const std::string& name);
 
 /// True and marked times that belong together.
 struct Agreement {
