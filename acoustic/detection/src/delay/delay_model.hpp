@@ -29,7 +29,7 @@ struct DelayModel {
   // is not white; one between two impacts needs less than one beyond the end
   double least_in_gap = 2.0;
   double least_of_outlier = 6.0;
-  double fewest_cycles = 3.0;    ///< of the template; nearer impacts cannot be separated from its ringing
+  double fewest_cycles = 3.0;  ///< of the template; nearer impacts cannot be separated from its ringing
 
   // the places of an impact
   double late_s = 6e-3;                ///< of a candidate behind its impact: the longest window of the candidates
