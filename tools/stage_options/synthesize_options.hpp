@@ -23,10 +23,10 @@ struct SynthesizeOptions {
   std::optional<double> reverberation_db, reverberation_time_s;  ///< of a microphone's room, instead of the preset's
   std::string hard_case;
 
-  std::string impacts;     ///< table to read
-  std::string out;         ///< sound to write
-  std::string truth;       ///< default: out with .truth.csv
-  bool each_drop = false;  ///< one file for each drop
+  std::string impacts;         ///< table to read
+  std::string out;             ///< sound to write
+  std::string truth;           ///< default: out with .truth.csv
+  bool each_drop = false;      ///< one file for each drop
   std::string codec = "none";  ///< NAME:KBITS through which the sound goes
 };
 /// All but the files, the ball and disturbances.

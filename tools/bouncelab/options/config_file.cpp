@@ -251,7 +251,8 @@ CommandLine line_with_config(const std::vector<std::string>& typed, const Comman
   std::vector<std::string> arguments;
   for (const ConfigOption& option : config_options(text_of(*path), *path, command, all)) {
     if (option.is_axis && !command.runs_through_lists)
-      throw InvalidArgument(option.place + ": '" + option.name + "' takes one value; loop and validate run through lists");
+      throw InvalidArgument(option.place + ": '" + option.name +
+                            "' takes one value; loop and validate run through lists");
     if (typed_value(typed, "--" + option.name)) continue;
     line.from_file.push_back(option);
     if (option.is_axis) continue;

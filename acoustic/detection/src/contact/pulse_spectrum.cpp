@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "contact/pulse_spectrum.hpp"
 
-
 #include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/elementary.hpp"
 

@@ -45,8 +45,9 @@ std::vector<CorrelationPeak> Correlation::peaks() const {
         (k > top_ ? k - top_ : top_ - k) > 2)
       others.push_back(k);
   const std::size_t n = std::min(others.size(), kMostOthers);
-  std::partial_sort(others.begin(), others.begin() + static_cast<std::ptrdiff_t>(n), others.end(),
-                    [&](std::size_t a, std::size_t b) { return std::pair(-values_[a], a) < std::pair(-values_[b], b); });
+  std::partial_sort(
+      others.begin(), others.begin() + static_cast<std::ptrdiff_t>(n), others.end(),
+      [&](std::size_t a, std::size_t b) { return std::pair(-values_[a], a) < std::pair(-values_[b], b); });
   others.resize(n);
   std::vector<CorrelationPeak> found{highest()};
   for (const std::size_t k : others) found.push_back(peak_at(k));
