@@ -84,6 +84,7 @@ inline const std::vector<Number>& numbers() {
       N(kTemplate.prior_impacts),
       N(kDelay.least_in_gap),
       N(kDelay.least_of_outlier),
+      N(kDelay.most_explained),
       N(kDelay.much_left),
       N(kDelay.unexpected),
       N(kDelay.fewest_impacts),

@@ -35,6 +35,7 @@ struct DelayModel {
   double late_s = 6e-3;                ///< of a candidate behind its impact: the longest window of the candidates
   double pre_echo_s = 21.4e-3;         ///< of a candidate before its impact: a block of 1024 samples at 48 kHz
   double far_s = late_s + pre_echo_s;  ///< over which an impact may lie that is not where the sound rises
+  double most_explained = 0.9;         ///< share of the energy of its window: whatever is left, that is the impact
   double much_left = 1.25;             ///< of the expected residual: then the impact may be at another place
   double of_template = 0.75;           ///< that is judged where a window has no end: the rest is hardly above noise
   double search_share = 0.25;          ///< of the intervals on either side, over which an impact may be searched for

@@ -111,7 +111,7 @@ DelayEstimate ImpactTimer::estimate_in(const FitWindow& window, double shift) co
   return r;
 }
 
-std::optional<ImpactFit> ImpactTimer::time_if_above(double least_llr, double t_s, double reach_s, double until_s) {
+ImpactFit ImpactTimer::time(double t_s, double reach_s, double until_s) {
   const std::int64_t start = samples(t_s, sound_) - static_cast<std::int64_t>(learned_.contact_index);
   const std::int64_t end = samples(until_s, sound_) - samples(reach_s, sound_);
   const double reach = reach_s * sound_.rate_hz + 2.0;
@@ -123,7 +123,6 @@ std::optional<ImpactFit> ImpactTimer::time_if_above(double least_llr, double t_s
     const auto moved = static_cast<double>(window.first - start);
     products = correlation_in(window, -reach - moved, reach - moved);
   }
-  if (products.highest().log_likelihood_ratio <= least_llr) return {};
   return fit_of(window, products);
 }
 

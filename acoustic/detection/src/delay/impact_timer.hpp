@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <vector>
 
 #include "delay/ringing.hpp"
@@ -26,11 +25,7 @@ class ImpactTimer {
 
   /// The most likely impact within reach_s of t_s, whether or not there is one (log_likelihood_ratio).
   /// @param until_s  sound from here on belongs to the next impact
-  ImpactFit time(double t_s, double reach_s, double until_s) {
-    return *time_if_above(-INFINITY, t_s, reach_s, until_s);
-  }
-  /// The same; absent where no place has a log likelihood ratio above this, which is known sooner.
-  std::optional<ImpactFit> time_if_above(double least_llr, double t_s, double reach_s, double until_s);
+  ImpactFit time(double t_s, double reach_s, double until_s);
   /// The same by several windows where the reach is wider than step_s(): one that begins after an impact misses its
   /// strongest part.
   ImpactFit search(double t_s, double reach_s, double until_s);

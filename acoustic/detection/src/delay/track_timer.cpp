@@ -27,11 +27,9 @@ ImpactFit find_everywhere(ImpactTimer& timer, const Candidate& c, const ImpactFi
   ImpactFit far = near;
   const double step_s = timer.step_s();
   for (double t_s = from_s; t_s < to_s; t_s += step_s) {  // each place lies behind the beginning of one window
-    const double least_llr = far.log_likelihood_ratio - kDelay.unambiguous * far.disturbance;
-    auto fit = timer.time_if_above(least_llr, t_s, std::min(step_s, to_s - t_s), until_s);
-    if (!fit || fit->t_s < from_s) continue;
-    std::erase_if(fit->alternatives, [&](const DelayHypothesis& h) { return h.t_s < from_s; });
-    far = merged(far, *fit, same_s);
+    ImpactFit fit = timer.time(t_s, std::min(step_s, to_s - t_s), until_s);
+    std::erase_if(fit.alternatives, [&](const DelayHypothesis& h) { return h.t_s < from_s; });
+    if (fit.t_s >= from_s) far = merged(far, fit, same_s);
   }
   // of many far places none may push out those where the sound rises
   return merged(with_fewer_places(near), with_fewer_places(far), same_s);
@@ -40,6 +38,7 @@ ImpactFit find_everywhere(ImpactTimer& timer, const Candidate& c, const ImpactFi
 /// Whether the residual is that of noise and what an impact has of its own, over what the template explains of it: that
 /// of the training impacts.
 bool is_explained(const ImpactTimer& timer, const ImpactFit& fit) {
+  if (square(fit.correlation) > kDelay.most_explained) return true;
   const double explained = square(timer.learned().correlation);
   const double explained_variance = 2.0 * fit.log_likelihood_ratio / static_cast<double>(timer.learned().n_template);
   const double expected = std::min(1.0, timer.noise()) + (1.0 - explained) / explained * explained_variance;
