@@ -10,15 +10,19 @@ const scoreHeads = ['F ±50 ms', 'F ±5 ms', 'F ±1 ms', 'F ±.1 ms', 'precision
 const scoreCells = s => [share(s.f_50ms), share(s.f_5ms), share(s.f_1ms), share(s['f_0.1ms']), share(s.precision_5ms), share(s.recall_5ms), micro(s.offset_s), micro(s.within_drops_s),
                          significant(s.bound_ratio_within_drops), significant(s.eps_error), known(s.pull) ? s.pull.toFixed(2) : '–', share(s.coverage), significant(s.invented_per_hour), known(s.times_real_time) ? number(Math.round(s.times_real_time)) : '–'];
 
-/// One number of every detector against the values of one list.
-function drawFactor(parent, validation, option, key, extra, bound) {
-  const of = d => d.factors.filter(f => f.option === option), numeric = isNumeric(of(validation.detectors[0]).map(f => f.value));
-  const points = d => of(d).map(f => ({x: numeric ? Number(f.value) : f.value, score: f.score})).sort((a, b) => numeric ? a.x - b.x : 0);
+/// One number of every detector against the values of one list, or of the first recording and of several short lists.
+function drawFactors(parent, validation, options, key, extra, bound) {
+  const alone = options.length === 1, of = d => d.factors.filter(f => options.includes(f.option)), numeric = alone && isNumeric(of(validation.detectors[0]).map(f => f.value));
+  const place = f => numeric ? Number(f.value) : alone ? f.value : `${f.option.replace(/-/g, ' ')} ${f.value}`;
+  const isFirst = (f, k, all) => k === 0 || all[k - 1].option !== f.option;  // the same recording in every list
+  const points = d => of(d).flatMap((f, k, all) => alone || !isFirst(f, k, all) ? [{x: place(f), score: f.score}] : k === 0 ? [{x: 'none of these', score: f.score}] : [])
+                          .sort((a, b) => numeric ? a.x - b.x : 0);
   const traces = validation.detectors.map((d, k) => ({x: points(d).map(p => p.x), y: points(d).map(p => p.score[key]), type: 'scatter', mode: numeric ? 'lines+markers' : 'markers', name: d.detector,
                                                       line: {color: detectorColours[k % detectorColours.length], width: 1.6}, marker: {size: 8, symbol: k, color: detectorColours[k % detectorColours.length]}}));
-  if (bound) traces.push({x: points(validation.detectors[0]).map(p => p.x), y: points(validation.detectors[0]).map(p => p.score.bound_s), type: 'scatter', mode: 'lines', name: 'Cramér–Rao bound', line: {color: red, dash: 'dash', width: 1.6}});
-  draw(parent, 'small', traces, {showlegend: true, title: {text: option.replace(/-/g, ' '), font: {size: 13}, x: 0.5, y: 0.98}, margin: {l: 64, r: 10, t: 34, b: numeric ? 80 : 110}, legend: {orientation: 'h', y: numeric ? -0.18 : -0.42, yanchor: 'top', x: 0, font: {size: 10}},
-                                 xaxis: axis('', numeric ? {} : {type: 'category'}), yaxis: axis('', extra)});
+  if (bound) traces.push({x: points(validation.detectors[0]).map(p => p.x), y: points(validation.detectors[0]).map(p => p.score.bound_s), type: 'scatter', mode: numeric ? 'lines' : 'markers', name: 'Cramér–Rao bound',
+                          line: {color: red, dash: 'dash', width: 1.6}, marker: {symbol: 'line-ew', size: 12, line: {width: 2, color: red}}});
+  draw(parent, alone ? 'small' : '', traces, {showlegend: true, title: {text: alone ? options[0].replace(/-/g, ' ') : 'one thing different', font: {size: 13}, x: 0.5, y: 0.98}, margin: {l: 64, r: 10, t: 54, b: numeric ? 40 : 110},
+                                              xaxis: axis('', numeric ? {} : {type: 'category'}), yaxis: axis('', extra)});
 }
 
 /// The sound of a recording, what is true (below) and what was marked (above).
@@ -36,12 +40,16 @@ function validationPage(validation) {
   table('All recordings', ['detector', ...scoreHeads], validation.detectors.map(d => [d.detector, ...scoreCells(d.all)]),
         `${number(validation.detectors[0].all.n_recordings)} recordings, ${number(validation.detectors[0].all.n_true)} true impacts. Counts are summed, errors are medians over recordings. F is the harmonic mean of precision and recall: within 50 ms of the time as marked, as mir_eval and MIREX count it, and closer about each recording’s offset; precision and recall at ±5 ms. Jitter: rms error within a drop, of pairs within 1 ms${known(validation.detectors[0].all.within_law_s) ? ', less b v^(−1/5), where in the contact an onset is marked' : ''}. Pull: error of intervals over the error stated.`);
   if (options.length) {
-    const f = figure('found', 'What is found', 'F-measure at ±5 ms. In each recording one thing is different from the first.');
-    f.classList.add('grid', 'wide');
-    for (const option of options) drawFactor(f, validation, option, 'f_5ms', {range: [-0.05, 1.05]});
-    const j = figure('jitter', 'How exactly', 'Rms error of the times within a drop (s), beside the bound that no unbiased estimate can beat on average. Pairs further than 1 ms are not in it.');
-    j.classList.add('grid', 'wide');
-    for (const option of options) drawFactor(j, validation, option, 'within_drops_s', {type: 'log', exponentformat: 'power', dtick: 1}, true);
+    const nValues = option => validation.detectors[0].factors.filter(f => f.option === option).length;
+    const long = options.filter(option => nValues(option) > 3), short = options.filter(option => nValues(option) <= 3);
+    const drawAllOf = (name, title, caption, key, extra, bound) => {
+      const parent = figure(name, title, caption), panels = element('div', {class: 'grid wide'});
+      parent.append(panels);
+      for (const option of long) drawFactors(panels, validation, [option], key, extra, bound);
+      if (short.length) drawFactors(parent, validation, short, key, extra, bound);
+    };
+    drawAllOf('found', 'What is found', 'F-measure at ±5 ms. In each recording one thing is different from the first.', 'f_5ms', {range: [-0.05, 1.05]}, false);
+    drawAllOf('jitter', 'How exactly', 'Rms error of the times within a drop (s), beside the bound that no unbiased estimate can beat on average. Pairs further than 1 ms are not in it.', 'within_drops_s', {type: 'log', exponentformat: 'power', dtick: 1}, true);
   }
   for (const d of validation.detectors) {
     if (!(d.worst || []).length) continue;
