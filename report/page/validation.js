@@ -37,8 +37,8 @@ function drawMarked(parent, worst) {
 
 function validationPage(validation) {
   const options = [...new Set(validation.detectors[0].factors.map(f => f.option))];
-  table('All recordings', ['detector', ...scoreHeads], validation.detectors.map(d => [d.detector, ...scoreCells(d.all)]),
-        `${number(validation.detectors[0].all.n_recordings)} recordings, ${number(validation.detectors[0].all.n_true)} true impacts. Counts are summed, errors are medians over recordings. F is the harmonic mean of precision and recall: within 50 ms of the time as marked, as mir_eval and MIREX count it, and closer about each recording’s offset; precision and recall at ±5 ms. Jitter: rms error within a drop, of pairs within 1 ms${known(validation.detectors[0].all.within_law_s) ? ', less b v^(−1/5), where in the contact an onset is marked' : ''}. Pull: error of intervals over the error stated.`);
+  table('All recordings', ['detector', ...scoreHeads], validation.detectors.map(d => [d.n_failed ? `${d.detector} (failed in ${d.n_failed})` : d.detector, ...scoreCells(d.all)]),
+        `${number(validation.detectors[0].all.n_recordings)} recordings, ${number(validation.detectors[0].all.n_true)} true impacts. Counts are summed, errors are medians over recordings. F is the harmonic mean of precision and recall: within 50 ms of the time as marked, as mir_eval and MIREX count it, and closer about each recording’s offset; precision and recall at ±5 ms. Jitter: rms error within a drop, of pairs within 1 ms${known(validation.detectors[0].all.within_law_s) ? ', less b v^(−1/5), where in the contact an onset is marked' : ''}. Pull: error of intervals over the error stated. A detector that fails has missed the impacts of that recording.`);
   if (options.length) {
     const nValues = option => validation.detectors[0].factors.filter(f => f.option === option).length;
     const long = options.filter(option => nValues(option) > 3), short = options.filter(option => nValues(option) <= 3);

@@ -75,11 +75,48 @@ TEST_F(ValidateCommand, LosesOneRecordingToADetectorThatFails) {
     EXPECT_THAT(result.out, HasSubstr("builtin"));
     return result.err;
   };
-  EXPECT_THAT(line_of("'sleep 100 {wav}'"), HasSubstr("time"));
+  EXPECT_THAT(line_of("'sleep 100 {wav}'"), HasSubstr("failed"));
   EXPECT_THAT(line_of("'sh -c \"sleep 100\" {wav}'"), HasSubstr("ended after 1 s"));
   EXPECT_THAT(line_of("'sh -c \"echo no >&2; exit 4\" {wav}'"), HasSubstr("no"));
   EXPECT_THAT(line_of("'echo {wav}'"), HasSubstr("is no time in seconds"));
+  EXPECT_THAT(line_of("'sh -c \"echo 0,5\" {wav}'"), HasSubstr("is no time in seconds"));
   EXPECT_THAT(line_of("'sh -c \"echo 1e9\" {wav}'"), HasSubstr("1e+09 s is no time of a recording"));
+}
+
+TEST_F(ValidateCommand, TakesSecondsAsSecondsAndMarksOfEditorsAsTruth) {
+  write("sparse.txt", "10\n45\n82\n130\n");  // neither milliseconds nor intervals
+  write("unsorted.txt", "82\n10\n130\n45\n");
+  write("labels.txt", "10.0\t10.0\tonset\n45.0\t45.0\tonset\n82.0\t82.0\tonset\n130.0\t130.0\tonset\n");
+  for (const char* truth : {"sparse.txt", "unsorted.txt", "labels.txt"}) {
+    const Json score = result_of(std::string("--marks unsorted.txt --truth ") + truth);
+    EXPECT_EQ(score["f_0.1ms"], 1.0) << truth;
+    EXPECT_TRUE(score["bound_s"].is_null()) << truth;  // digits are no bound
+  }
+}
+
+TEST_F(ValidateCommand, FindsTheTruthOfARecordingAndNothingElse) {
+  ASSERT_EQ(run(std::string("validate --detector builtin --out first ") + kSmall).exit_code, 0);
+  ASSERT_EQ(shell("mkdir r; cp first/recordings/all_else.wav r/a.wav; cp r/a.wav r/a.b.wav; "
+                  "cp first/recordings/all_else.truth.csv r/a.b.truth.csv; cp r/a.b.truth.csv r/a.others.csv")
+                .exit_code,
+            0);
+  const std::string command = "validate --recordings r/a.wav --truth r --detector builtin --out o --force";
+  expect_one_line_error(run(command), 3, {"a.truth.csv"});
+  write("r/a.txt", "");  // labels of silence
+  Json found = result_of("--recordings r/a.wav --truth r --detector builtin --out o --force");
+  EXPECT_GT(found["detectors"][0]["all"]["invented_per_hour"], 0.0);
+  write("r/a.csv", "t_s\n1\n");
+  expect_one_line_error(run(command), 3, {"may both be the truth"});
+}
+
+TEST_F(ValidateCommand, VariesTheSeedAndWritesEachRecordingsOwnValues) {
+  write("set.toml", "seed = [1, 2]\nsnr_db = [40, 30]\n");
+  ASSERT_EQ(run(std::string("validate --config set.toml --detector builtin --out o ") + kSmall).exit_code, 0);
+  EXPECT_NE(content_of(folder_ / "o/recordings/all_else.truth.csv"),
+            content_of(folder_ / "o/recordings/seed_2.truth.csv"));
+  EXPECT_THAT(content_of(folder_ / "o/recordings/snr-db_30.wav.meta.json"), HasSubstr("\"snr-db\": \"30\""));
+  write("set.toml", "time_limit = [1, 2]\n");
+  expect_one_line_error(run("validate --config set.toml --detector builtin --out p"), 2, {"time-limit", "not a list"});
 }
 
 TEST_F(ValidateCommand, RefusesWhatCannotWork) {
@@ -89,6 +126,9 @@ TEST_F(ValidateCommand, RefusesWhatCannotWork) {
   expect_one_line_error(run("validate --out o --detector 'sh \"it {wav}'"), 2, {"quotation"});
   expect_one_line_error(run("validate --out o"), 2, {"--detector"});
   expect_one_line_error(run("validate --marks truth.csv"), 2, {"--truth"});
+  expect_one_line_error(run("validate --marks truth.csv --truth truth.csv --drops 3"), 2, {"--drops has no effect"});
+  expect_one_line_error(run("validate --truth truth.csv --detector builtin --out o"), 2, {"--truth belongs"});
+  expect_one_line_error(run("validate --out o --detector './none {wav}'"), 2, {"no program that may be run"});
   write("set.toml", "snr_db = [40, 1000]\n");
   EXPECT_EQ(run("validate --config set.toml --detector builtin --out o").exit_code, 2);
   EXPECT_FALSE(fs::exists(folder_ / "o"));

@@ -2,6 +2,7 @@
 #include "stages/validate.hpp"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -11,8 +12,10 @@
 #include <filesystem>
 #include <map>
 #include <optional>
+#include <string_view>
 #include <utility>
 
+#include "bouncelab/audio/annotations.hpp"
 #include "bouncelab/audio/audio_reader.hpp"
 #include "bouncelab/core/child_process.hpp"
 #include "bouncelab/core/core.hpp"
@@ -54,13 +57,30 @@ struct Marks {
 
 // ---- recordings
 
-/// The options with other values. @throws InvalidArgument naming the setting
-ValidateOptions with_settings(const ValidateOptions& options, const loop::Settings& settings) {
-  ValidateOptions changed = options;
-  const std::vector<Section> sections = validate_sections(changed);
+/// What makes a recording.
+struct Scene {
+  ValidateOptions options;
+  CommonOptions common;
+};
+
+/// What may differ from recording to recording: ball, drops, sound and the seed; absent of all else.
+std::optional<Option> option_of(Scene& scene, const std::vector<Section>& sections, const std::string& name) {
+  if (name == "seed") return option_named({common_section(scene.common)}, name);
+  return option_named(sections, name);
+}
+
+/// The scene with other values. @throws InvalidArgument naming the setting
+Scene with_settings(const Scene& scene, const loop::Settings& settings) {
+  Scene changed = scene;
+  const std::vector<Section> sections = scene_sections(changed.options);
   for (const auto& [name, value] : settings) {
-    const std::optional<Option> option = option_named(sections, name);
-    option->member->set(option->object, value_from_texts(*option->member, {value}));
+    const std::optional<Option> option = option_of(changed, sections, name);
+    if (!option) throw InvalidArgument("--" + name + ": has one value in all recordings, not a list");
+    try {
+      option->member->set(option->object, value_from_texts(*option->member, {value}));
+    } catch (const InvalidArgument& error) {
+      throw InvalidArgument("--" + name + ": " + error.what());
+    }
   }
   return changed;
 }
@@ -105,9 +125,9 @@ std::vector<Case> cases_of(const ValidateOptions& options, const Run& run, const
     const std::string name = name_of(settings);
     cases.push_back({name, folder / (name + ".wav"), folder / (name + ".truth.csv"), settings});
     try {  // what is wrong with any is said before the work
-      const ValidateOptions changed = with_settings(with_settings(options, first), settings);
-      simulation_config(simulate_options(changed), run.common.seed, run.common.n_threads);
-      synthesis_config(synthesize_options(changed), run.common.seed, run.common.n_threads);
+      const Scene changed = with_settings(with_settings({options, run.common}, first), settings);
+      simulation_config(simulate_options(changed.options), changed.common.seed, run.common.n_threads);
+      synthesis_config(synthesize_options(changed.options), changed.common.seed, run.common.n_threads);
     } catch (const InvalidArgument& error) {
       throw InvalidArgument("recording " + name + ": " + error.what());
     }
@@ -115,11 +135,12 @@ std::vector<Case> cases_of(const ValidateOptions& options, const Run& run, const
   return cases;
 }
 
-/// Is it an option of the simulation, or the ball?
+/// Is it an option of the simulation, the ball, or the seed?
 bool changes_impacts(const ValidateOptions& options, const loop::Settings& settings) {
   ValidateOptions copy = options;
-  const std::vector<Section> sections = validate_sections(copy);
+  const std::vector<Section> sections = scene_sections(copy);
   return std::any_of(settings.begin(), settings.end(), [&](const auto& setting) {
+    if (setting.first == "seed") return true;
     const std::vector<std::string>& stages = option_named(sections, setting.first)->section->stages;
     return std::find(stages.begin(), stages.end(), "simulate") != stages.end();
   });
@@ -127,22 +148,26 @@ bool changes_impacts(const ValidateOptions& options, const loop::Settings& setti
 
 void make_sound(const ValidateOptions& options, const std::vector<Case>& cases, const fs::path& folder,
                 const Run& run) {
-  const ValidateOptions first = with_settings(options, first_values(run.sweep));
+  const loop::Settings first_settings = first_values(run.sweep);
+  const Scene first = with_settings({options, run.common}, first_settings);
   const ProgressCallback progress = progress_line(run, "synthesize", "recordings");
-  Run quiet = run;
-  quiet.common.quiet = true;
   for (std::size_t k = 0; k < cases.size(); ++k) {
     progress(static_cast<double>(k), static_cast<double>(cases.size()));
     const Case& c = cases[k];
-    const ValidateOptions changed = with_settings(first, c.settings);
+    const Scene changed = with_settings(first, c.settings);
+    Run quiet = run;
+    quiet.common = changed.common;
+    quiet.common.quiet = true;
+    for (const loop::Settings& settings : {first_settings, c.settings})
+      for (const auto& [name, value] : settings) set_parameter(quiet.parameters, name, value);
     const bool is_own = k == 0 || changes_impacts(options, c.settings);
     const fs::path impacts = folder / ((is_own ? c : cases.front()).name + ".impacts.csv");
     if (is_own) {
-      SimulateOptions simulate = simulate_options(changed);
+      SimulateOptions simulate = simulate_options(changed.options);
       simulate.out = impacts;
       run_simulate(simulate, quiet);
     }
-    SynthesizeOptions synthesize = synthesize_options(changed);
+    SynthesizeOptions synthesize = synthesize_options(changed.options);
     synthesize.impacts = impacts;
     synthesize.out = c.sound;
     synthesize.truth = c.truth;
@@ -151,11 +176,6 @@ void make_sound(const ValidateOptions& options, const std::vector<Case>& cases, 
 }
 
 // ---- recordings that there are
-
-bool is_sound_or_truth_of(const fs::path& file, const fs::path& sound) {
-  const std::string name = file.filename().string(), stem = sound.stem().string();
-  return name.size() > stem.size() && name.starts_with(stem) && name[stem.size()] == '.' && file != sound;
-}
 
 std::vector<fs::path> files_in(const fs::path& folder) {
   std::vector<fs::path> files;
@@ -186,40 +206,89 @@ std::vector<fs::path> sounds_of(const std::vector<std::string>& recordings) {
   return sounds;
 }
 
-/// NAME.truth.csv, else the first NAME.* that holds times.
+/// NAME.truth.csv, else the one NAME.csv, NAME.txt ... that there is.
 fs::path truth_of(const fs::path& sound, const fs::path& folder) {
+  constexpr std::array kEndings{".csv", ".txt", ".tsv", ".TextGrid", ".svl", ".jsonl", ".lab", ".labels"};
   if (!fs::is_directory(folder)) return folder;
+  const std::string stem = sound.stem().string();
+  if (fs::path ours = folder / (stem + ".truth.csv"); fs::exists(ours)) return ours;
   std::vector<fs::path> found;
-  for (const fs::path& file : files_in(folder))
-    if (is_sound_or_truth_of(file, sound) && holds_times(file, false)) found.push_back(file);
-  const auto ours = std::find_if(found.begin(), found.end(), [&](const fs::path& file) {
-    return file.filename() == sound.stem().string() + ".truth.csv";
-  });
-  if (ours != found.end()) return *ours;
-  if (!found.empty()) return found.front();
-  throw FileError((folder / sound.stem()).string() + ".*",
-                  "no file of this name holds times; true times of " + printable(sound.string()) +
-                      " are wanted, as a table or as marks that bouncelab convert reads");
+  for (const char* ending : kEndings)
+    if (fs::path file = folder / (stem + ending); fs::exists(file)) found.push_back(file);
+  if (found.size() == 1) return found.front();
+  if (found.empty())
+    throw FileError((folder / stem).string() + ".truth.csv",
+                    "no such file, nor marks of that name (.txt, .TextGrid, .svl ...): where are the true times of " +
+                        printable(sound.string()) + "?");
+  throw FileError(found[0].string(), "and " + printable(found[1].string()) +
+                                         " may both be the truth; call the right one " + printable(stem) +
+                                         ".truth.csv");
 }
 
 std::vector<Case> given_cases(const ValidateOptions& options) {
   if (options.truth.empty()) throw InvalidArgument("--recordings: name the folder of their true times with --truth");
   std::vector<Case> cases;
-  for (const fs::path& sound : sounds_of(options.recordings))
-    cases.push_back({sound.stem().string(), sound, truth_of(sound, options.truth), {}});
+  std::map<std::string, int> n_called;
+  for (const fs::path& sound : sounds_of(options.recordings)) {
+    const std::string stem = sound.stem().string();
+    const int n = ++n_called[stem];
+    cases.push_back({n > 1 ? stem + " (" + std::to_string(n) + ")" : stem, sound, truth_of(sound, options.truth), {}});
+  }
   if (cases.size() > 1 && !fs::is_directory(options.truth))
     throw InvalidArgument("--truth " + printable(options.truth) +
                           " is one file, of one recording; give the folder in which each recording has its own");
   return cases;
 }
 
-loop::TrueTimes read_truth(const fs::path& path, bool offset_only) {
-  std::vector<std::string> taken_for;
-  loop::TrueTimes truth{read_onsets(path, {}, taken_for)};
-  if (taken_for.empty())
-    truth = loop::true_times_from_table(read_table(path, loop::true_time_columns()), path.string());
+/// Blanks separate; a line without anything, or that begins with #, is none.
+std::vector<std::string_view> lines_of_times(std::string_view text) {
+  std::vector<std::string_view> lines;
+  while (!text.empty()) {
+    const std::string_view line = text.substr(0, text.find('\n'));
+    text.remove_prefix(std::min(text.size(), line.size() + 1));
+    if (line.find_first_not_of(" \t\r") != std::string_view::npos && line.front() != '#') lines.push_back(line);
+  }
+  return lines;
+}
+
+/// The numbers of a line, at most three; none where it holds anything else.
+std::vector<double> numbers_of(std::string_view line) {
+  std::vector<double> numbers;
+  for (std::size_t at = 0;
+       (at = line.find_first_not_of(" \t\r", at)) != std::string_view::npos && numbers.size() < 3;) {
+    double value = 0.0;
+    const auto [end, status] = from_chars(line.data() + at, line.data() + line.size(), value);
+    at = static_cast<std::size_t>(end - line.data());
+    const bool ends = at == line.size() || line[at] == ' ' || line[at] == '\t' || line[at] == '\r';
+    if (status != std::errc{} || !std::isfinite(value) || !ends) return {};
+    numbers.push_back(value);
+  }
+  return numbers;
+}
+
+/// Times of any file: numbers one a line are seconds; tables of ours; what convert reads. Nothing, or a title alone, is
+/// no time.
+/// @param says  a line where it is a table of something else, of how it was read
+loop::TrueTimes read_times(const fs::path& path, std::vector<std::string>& says) {
+  const std::string text = whole_content(readable(path));
+  const std::vector<std::string_view> lines = lines_of_times(text);
+  loop::TrueTimes times;
+  if (lines.empty() || (lines.size() == 1 && lines[0].starts_with("t_s"))) return times;
+  if (path.extension() == ".jsonl" || audio::is_own_table(text.substr(0, audio::kHeadOfTimes_bytes))) {
+    times = loop::true_times_from_table(read_table(path, loop::true_time_columns()), input_name(path));
+  } else if (std::all_of(lines.begin(), lines.end(), [](const auto& line) { return numbers_of(line).size() == 1; })) {
+    for (const std::string_view line : lines) times.onsets.emplace_back().t_s = numbers_of(line)[0];
+  } else {
+    times.onsets = read_onsets(path, {}, says);
+    for (Onset& onset : times.onsets) onset.sigma_t_s.reset();  // of the digits that the file has
+  }
+  for (Onset& onset : times.onsets) onset.recording.clear();  // of one recording, whatever it is called
+  return times;
+}
+
+loop::TrueTimes read_truth(const fs::path& path, bool offset_only, std::vector<std::string>& says) {
+  loop::TrueTimes truth = read_times(path, says);
   if (offset_only) truth.v_mps.clear();
-  for (Onset& onset : truth.onsets) onset.recording.clear();  // one recording, whatever it is called
   return truth;
 }
 
@@ -277,6 +346,8 @@ Detector detector_of(const std::string& text, bool shell) {
   detector.arguments.erase(detector.arguments.begin());
   const std::optional<fs::path> program =
       name.find('/') != std::string::npos ? std::optional<fs::path>(name) : find_program(name);
+  if (program && ::access(program->c_str(), X_OK) != 0)
+    throw InvalidArgument("--detector " + printable(text) + ": " + printable(name) + " is no program that may be run");
   if (!program) throw InvalidArgument("--detector " + printable(text) + ": there is no program " + printable(name));
   detector.program = *program;
   return detector;
@@ -294,45 +365,18 @@ void detect_by_builtin(const fs::path& sound, Marks& marks) {
   marks.processor_s = thread_time_s() - begin_s;
 }
 
-/// A time, and its standard error where a second number follows. @throws InvalidArgument quoting the line
-Onset onset_of(const std::string& line) {
-  std::vector<double> numbers;
-  for (std::size_t at = 0; (at = line.find_first_not_of(" \t\r,;", at)) != std::string::npos && numbers.size() < 3;) {
-    double value = 0.0;
-    const auto [end, status] = from_chars(line.data() + at, line.data() + line.size(), value);
-    if (status != std::errc{} || !std::isfinite(value)) {
-      numbers.clear();
-      break;
-    }
-    numbers.push_back(value);
-    at = static_cast<std::size_t>(end - line.data());
-  }
-  if (numbers.empty() || numbers.size() > 2)
-    throw InvalidArgument("'" + printable(line.substr(0, 60)) + "' is no time in seconds");
-  Onset onset;
-  onset.t_s = numbers[0];
-  if (numbers.size() == 2) onset.sigma_t_s = numbers[1];
-  return onset;
-}
-
+/// A time on each line, and its standard error where a second number follows. @throws InvalidArgument quoting the line
 Onsets onsets_of_lines(const std::string& text) {
   Onsets onsets;
-  for (std::size_t begin = 0; begin < text.size();) {
-    const std::size_t end = std::min(text.find('\n', begin), text.size());
-    const std::string line = text.substr(begin, end - begin);
-    begin = end + 1;
-    if (line.find_first_not_of(" \t\r") == std::string::npos || line.front() == '#') continue;
-    onsets.push_back(onset_of(line));
+  for (const std::string_view line : lines_of_times(text)) {
+    const std::vector<double> numbers = numbers_of(line);
+    if (numbers.empty() || numbers.size() > 2)
+      throw InvalidArgument("'" + printable(std::string(line.substr(0, 60))) + "' is no time in seconds");
+    Onset& onset = onsets.emplace_back();
+    onset.t_s = numbers[0];
+    if (numbers.size() == 2) onset.sigma_t_s = numbers[1];
   }
   return onsets;
-}
-
-/// Times of any file. @param taken_for  a line where it is not a table of ours
-Onsets read_marks(const fs::path& file, std::vector<std::string>& taken_for) {
-  Onsets marks = read_onsets(file, {}, taken_for);
-  if (!taken_for.empty())
-    for (Onset& mark : marks) mark.sigma_t_s.reset();  // of the digits that it has, not of the detector
-  return marks;
 }
 
 void detect_by_program(const Detector& detector, const ValidateOptions& options, const fs::path& sound,
@@ -347,12 +391,13 @@ void detect_by_program(const Detector& detector, const ValidateOptions& options,
   const ProgramResult result = run_program(detector.program, arguments, sound.string(), -1, limits, kMostOutput_bytes);
   marks.processor_s = result.processor_s;
   if (!result.ended_well) {
-    const std::string said = result.complaints.substr(0, result.complaints.find('\n'));
+    std::string said = result.complaints.substr(0, result.complaints.find_last_not_of("\n\r ") + 1);
+    said.erase(0, said.rfind('\n') + 1);  // the last line: above it is where, in Python
     throw InvalidArgument("the program failed" + (said.empty() ? "" : ": " + printable(said)));
   }
   if (detector.writes_file) {
-    std::vector<std::string> taken_for;
-    marks.onsets = read_marks(file, taken_for);
+    std::vector<std::string> says;
+    marks.onsets = read_times(file, says).onsets;
   } else {
     marks.onsets = onsets_of_lines(result.output);
   }
@@ -376,10 +421,12 @@ void put_in_order(Onsets& onsets, double duration_s) {
 
 Marks marks_of(const Detector& detector, const Case& c, const ValidateOptions& options, const fs::path& file) {
   Marks marks;
-  const audio::AudioFormat format = audio::AudioReader(c.sound).format();
-  const double duration_s = static_cast<double>(format.n_frames) / format.rate_hz;
-  const loop::TrueTimes truth = read_truth(c.truth, options.offset_only);
+  std::vector<std::string> says;
+  const loop::TrueTimes truth = read_truth(c.truth, options.offset_only, says);
+  double duration_s = 0.0;
   try {
+    const audio::AudioFormat format = audio::AudioReader(c.sound).format();
+    duration_s = static_cast<double>(format.n_frames) / format.rate_hz;
     if (detector.name == kBuiltin)
       detect_by_builtin(c.sound, marks);
     else
@@ -390,6 +437,7 @@ Marks marks_of(const Detector& detector, const Case& c, const ValidateOptions& o
   } catch (const Error& error) {
     marks.onsets.clear();
     marks.failure = error.what();
+    marks.processor_s = duration_s = 0.0;  // it has neither speed nor silence
   }
   marks.score = loop::score_detector(truth, marks.onsets, duration_s, marks.processor_s);
   return marks;
@@ -426,21 +474,32 @@ DetectorScore score_of_all(const DetectorResult& result) {
   return loop::pooled(scores);
 }
 
+std::size_t n_failed(const DetectorResult& result) {
+  return static_cast<std::size_t>(std::count_if(result.marks.begin(), result.marks.end(),
+                                                [](const Marks& marks) { return !marks.failure.empty(); }));
+}
+
 std::string number(const std::optional<double>& value, double unit, const char* format) {
   return value ? fmt::format(fmt::runtime(format), *value / unit) : "-";
 }
 
 std::string heading(const char* first) {
-  return fmt::format("{:<28}{:>7}{:>7}{:>7}{:>7}{:>9}{:>11}{:>10}{:>9}{:>7}{:>10}\n", first, "F 50ms", "F 5ms", "F 1ms",
-                     "F .1ms", "recall", "jitter us", "x bound", "eps err", "pull", "x real t.");
+  return fmt::format("{:<28}{:>7}{:>7}{:>7}{:>7}{:>11}{:>11}{:>10}{:>9}{:>7}{:>10}\n", first, "F 50ms", "F 5ms",
+                     "F 1ms", "F .1ms", "recall 5ms", "jitter us", "x bound", "eps err", "pull", "x real t.");
+}
+
+/// Both ends of a name: variants of a command differ there.
+std::string shortened(const std::string& name) {
+  constexpr std::size_t kMost = 27, kHead = 10;
+  return name.size() <= kMost ? name : name.substr(0, kHead) + "..." + name.substr(name.size() - (kMost - kHead - 3));
 }
 
 std::string line_of(const std::string& name, const DetectorScore& s) {
   const auto& a = s.agreement;
-  return fmt::format("{:<28}{:>7}{:>7}{:>7}{:>7}{:>9}{:>11}{:>10}{:>9}{:>7}{:>10}\n", name.substr(0, 27),
+  return fmt::format("{:<28}{:>7}{:>7}{:>7}{:>7}{:>11}{:>11}{:>10}{:>9}{:>7}{:>10}\n", shortened(name),
                      number(a[0].f_measure(), 1.0, "{:.3f}"), number(a[1].f_measure(), 1.0, "{:.3f}"),
                      number(a[2].f_measure(), 1.0, "{:.3f}"), number(a[3].f_measure(), 1.0, "{:.3f}"),
-                     number(a[1].recall(), 1.0, "{:.3f}"), number(s.jitter_s, 1e-6, "{:.3g}"),
+                     number(a[1].recall(), 1.0, "{:.3f}"), number(s.within_drops_s, 1e-6, "{:.3g}"),
                      number(s.bound_ratio_within_drops, 1.0, "{:.3g}"), number(s.eps_error, 1.0, "{:.1e}"),
                      number(s.pull(), 1.0, "{:.2f}"), number(s.times_real_time(), 1.0, "{:.0f}"));
 }
@@ -483,6 +542,7 @@ Object object_of_result(const std::vector<Case>& cases, const std::vector<loop::
                                    {"score", value_of(result.marks[k].score)},
                                    {"failure", result.marks[k].failure}});
   return {{"detector", result.name},
+          {"n_failed", value_of(n_failed(result))},
           {"all", value_of(score_of_all(result))},
           {"factors", std::move(factors)},
           {"recordings", std::move(recordings)}};
@@ -499,17 +559,20 @@ Values worst_of(const std::vector<Case>& cases, const DetectorResult& result, bo
   constexpr std::size_t kShown = 3;
   std::vector<std::pair<double, std::size_t>> order;
   for (std::size_t k = 0; k < cases.size(); ++k)
-    if (const std::optional<double> f = result.marks[k].score.agreement[1].f_measure()) order.emplace_back(*f, k);
+    if (const std::optional<double> f = result.marks[k].score.agreement[1].f_measure();
+        f && *f < 1.0 && result.marks[k].failure.empty())
+      order.emplace_back(*f, k);
   std::stable_sort(order.begin(), order.end());
   order.resize(std::min(order.size(), kShown));
   Values worst;
+  std::vector<std::string> says;
   for (const auto& [f, k] : order) {
     detection::WavePreview wave = detection::wave_preview(cases[k].sound, 0, {});
     wave.copy = {};
     worst.emplace_back(Object{{"recording", cases[k].name},
                               {"f", f},
                               {"wave", value_of(wave)},
-                              {"true_s", times_of(read_truth(cases[k].truth, offset_only).onsets)},
+                              {"true_s", times_of(read_truth(cases[k].truth, offset_only, says).onsets)},
                               {"marked_s", times_of(result.marks[k].onsets)}});
   }
   return worst;
@@ -522,9 +585,13 @@ std::string text_of(const std::vector<Case>& cases, const std::vector<loop::Swee
   for (const DetectorResult& result : results)
     if (const std::optional<double> rate = score_of_all(result).invented_per_hour())
       text += fmt::format("{}: {:.3g} onsets an hour where no ball is\n", result.name, *rate);
+  for (const DetectorResult& result : results)
+    if (const std::size_t n = n_failed(result); n > 0)
+      text += fmt::format("{}: failed in {} of {} recordings, whose impacts count as missed\n", result.name, n,
+                          cases.size());
   if (!lists.empty())
     for (const DetectorResult& result : results) {
-      text += "\n" + heading(result.name.substr(0, 27).c_str());
+      text += "\n" + heading(shortened(result.name).c_str());
       for (const FactorScore& f : factor_scores(lists, cases, result))
         text += line_of("  " + f.option + " " + f.value, f.score);
     }
@@ -543,16 +610,15 @@ std::vector<std::string> failures_of(const std::vector<Case>& cases, const std::
 /// Times that exist already, one file against another.
 Outcome run_marks(const ValidateOptions& options) {
   if (options.truth.empty()) throw InvalidArgument("--marks: name the file of the true times with --truth");
-  std::vector<std::string> taken_for;
-  const loop::TrueTimes truth = read_truth(options.truth, options.offset_only);
-  Onsets marks = read_marks(options.marks, taken_for);
+  std::vector<std::string> says;
+  const loop::TrueTimes truth = read_truth(options.truth, options.offset_only, says);
+  Onsets marks = read_times(options.marks, says).onsets;
   std::stable_sort(marks.begin(), marks.end(), [](const Onset& a, const Onset& b) { return a.t_s < b.t_s; });
-  for (Onset& onset : marks) onset.recording.clear();
   const DetectorScore score = loop::score_detector(truth, marks, 0.0, 0.0);
   Outcome outcome;
   outcome.result = object_of(members_of(&score), &score);
   outcome.text = heading("") + line_of(fs::path(options.marks).filename().string(), score);
-  outcome.warnings = taken_for;
+  outcome.warnings = says;
   return outcome;
 }
 
@@ -578,7 +644,6 @@ std::vector<Section> validate_sections(ValidateOptions& options) {
              "Errors less their offset alone: not less a + b v^(-1/5), where in the contact an onset is marked")};
   std::vector<Section> sections = scene_sections(options);
   sections.insert(sections.begin(), {"", &own, &options});
-  sections.push_back({"", &codec_option(), &options.synthesize, {"synthesize"}});
   return sections;
 }
 
@@ -589,10 +654,35 @@ std::vector<Section> scene_sections(ValidateOptions& options) {
   return {{"", &ball, &options.world, {"simulate", "synthesize"}},
           {"Ball, ground and drops", &members_of(&options.simulate), &options.simulate, {"simulate"}},
           {"Sound", &members_of(&options.synthesize), &options.synthesize, {"synthesize"}},
+          {"", &codec_option(), &options.synthesize, {"synthesize"}},
           disturbances};
 }
 
+namespace {
+
+/// What was given and would have no effect is refused.
+void check_usage(const ValidateOptions& options, const Run& run) {
+  const bool has_marks = !options.marks.empty(), has_recordings = !options.recordings.empty();
+  const auto refuse_with = [](const std::string& name, const std::string& other) {
+    throw InvalidArgument("--" + name + " has no effect with --" + other + "; leave one of them out");
+  };
+  if (has_marks && !options.detectors.empty()) refuse_with("detector", "marks");
+  if (has_marks && has_recordings) refuse_with("recordings", "marks");
+  if (has_marks && !options.out.empty()) refuse_with("out", "marks");
+  if (!options.truth.empty() && !has_marks && !has_recordings)
+    throw InvalidArgument("--truth belongs to --recordings or --marks; what is synthesized has its own");
+  if (!has_marks && !has_recordings) return;
+  ValidateOptions copy = options;
+  const std::vector<Section> sections = scene_sections(copy);
+  for (const auto& [name, texts] : run.given)
+    if (option_named(sections, name)) refuse_with(name, has_marks ? "marks" : "recordings");
+  if (!run.sweep.empty()) refuse_with(run.sweep.front().option, has_marks ? "marks" : "recordings");
+}
+
+}  // namespace
+
 Outcome run_validate(const ValidateOptions& options, const Run& run) {
+  check_usage(options, run);
   if (!options.marks.empty()) return run_marks(options);
   if (options.out.empty()) throw InvalidArgument("--out: name a folder for the results");
   if (options.detectors.empty()) throw InvalidArgument("--detector: name at least one, builtin for instance");
@@ -602,6 +692,10 @@ Outcome run_validate(const ValidateOptions& options, const Run& run) {
   const fs::path folder = options.out, sounds = folder / "recordings", marks_folder = folder / "marks";
   const bool is_synthesized = options.recordings.empty();
   const std::vector<Case> cases = is_synthesized ? cases_of(options, run, sounds) : given_cases(options);
+  std::vector<std::string> says;
+  if (!is_synthesized)
+    for (const Case& c : cases)
+      read_truth(c.truth, options.offset_only, says);  // what is wrong is said before the work
   const OutputFolder output_folder(folder);
   std::vector<fs::path> inputs, outputs{folder / "scores.csv", folder / "validation.json", folder / "report.html"};
   for (const Case& c : cases) {
@@ -646,7 +740,12 @@ Outcome run_validate(const ValidateOptions& options, const Run& run) {
   page.validation_json = json_text(Object{{"detectors", std::move(shown)}});
   write_text(run, folder / "report.html", report::render(page), inputs);
   outcome.text = text_of(cases, run.sweep, results) + "Report: " + (folder / "report.html").string() + "\n";
-  outcome.warnings = failures_of(cases, results);
+  outcome.warnings = joined(std::move(says), failures_of(cases, results));
+  if (std::all_of(results.begin(), results.end(),
+                  [&](const auto& result) { return n_failed(result) == cases.size(); })) {
+    outcome.exit_code = kNotUsable;
+    outcome.error = "no detector worked on any recording";
+  }
   return outcome;
 }
 

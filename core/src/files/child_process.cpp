@@ -218,12 +218,14 @@ void ChildProcess::start(const std::function<void()>& run, bool is_function, int
   if (child_ == 0) {
     arrange_files(output.ends[1], errors.ends[1], descriptor, is_function);
     forget_signal_handlers();
+    if (limits_.elapsed_s > 0.0) ::setpgid(0, 0);  // what it starts is ended with it
     const rlimit no_core{0, 0};
     ::setrlimit(RLIMIT_CORE, &no_core);
     limit_memory(limits_.memory_bytes);
     limit_cpu(limits_.cpu_s);
     run();
   }
+  if (limits_.elapsed_s > 0.0) ::setpgid(child_, child_);  // here too: which of the two comes first is not known
   output_ = output.take_reading_end();
   errors_ = errors.take_reading_end();
   ::fcntl(errors_, F_SETFL, O_NONBLOCK);
@@ -233,7 +235,7 @@ ChildProcess::~ChildProcess() {
   if (output_ >= 0) ::close(output_);
   if (errors_ >= 0) ::close(errors_);
   if (child_ <= 0) return;
-  ::kill(child_, SIGKILL);
+  ::kill(limits_.elapsed_s > 0.0 ? -child_ : child_, SIGKILL);
   while (::waitpid(child_, nullptr, 0) < 0 && errno == EINTR) {
   }
 }

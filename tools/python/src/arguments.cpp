@@ -42,7 +42,11 @@ Sections sections_of(stages::RoughnessOptions& options) {
 Sections sections_of(stages::CalibrateOptions& options) { return {{"", &members_of(&options), &options}}; }
 Sections sections_of(stages::LoopOptions& options) { return stages::loop_sections(options); }
 /// Those of the scene alone: detectors are functions, and no file is written.
-Sections sections_of(stages::ValidateOptions& options) { return stages::scene_sections(options); }
+Sections sections_of(stages::ValidateOptions& options) {
+  Sections sections = stages::scene_sections(options);
+  std::erase_if(sections, [](const Section& section) { return section.description == &stages::codec_option(); });
+  return sections;
+}
 
 /// Sets each option to the texts that it was given. @return these
 stages::Given set_options(const Sections& sections, const Arguments& arguments) {

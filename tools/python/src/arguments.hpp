@@ -12,6 +12,7 @@
 #include "stages/loop.hpp"
 #include "stages/restitution.hpp"
 #include "stages/roughness.hpp"
+#include "stages/synthesize.hpp"
 #include "stages/validate.hpp"
 
 namespace bouncelab::python {
