@@ -84,7 +84,7 @@ TEST_F(Sweep, WhatIsWrongWithAPointIsSaidBeforeTheWork) {
   write("empty.toml", "snr_db = []\n");
   expect_one_line_error(run("loop --config empty.toml --out out"), 2, {"empty.toml", "line 1", "snr_db"});
   write("simulate.toml", "drops = [1, 2]\n");
-  expect_one_line_error(run("simulate --config simulate.toml --out a.csv"), 2, {"drops", "only loop"});
+  expect_one_line_error(run("simulate --config simulate.toml --out a.csv"), 2, {"drops", "one value"});
   EXPECT_FALSE(fs::exists(folder_ / "out"));
 }
 

@@ -12,7 +12,7 @@ namespace bouncelab::options {
 namespace {
 
 std::string hard_case_help() {
-  std::string help = "A recording in which impacts are hard to detect:";
+  std::string help = "A recording in which impacts are hard to detect, or none:";
   for (const synthesis::HardCase& hard : synthesis::hard_cases()) help += "\n  " + hard.name + ": " + hard.what;
   return help;
 }
@@ -136,7 +136,7 @@ synthesis::SynthesisConfig synthesis_config(const SynthesizeOptions& options, st
   config.channels.front().z_m = default_z_m;
   if (!options.channels.empty()) config.channels.clear();
   for (const std::string& text : options.channels) config.channels.push_back(channel_of(text, default_z_m));
-  if (!options.hard_case.empty()) config = synthesis::with_hard_case(config, options.hard_case);
+  if (options.hard_case != "none") config = synthesis::with_hard_case(config, options.hard_case);
   set_room(options, config.sensor);
   return config;
 }

@@ -21,7 +21,7 @@ struct SynthesizeOptions {
   std::string positions = "simulated";
   std::vector<std::string> channels;                             ///< X,Y[,Z[,GAIN]]
   std::optional<double> reverberation_db, reverberation_time_s;  ///< of a microphone's room, instead of the preset's
-  std::string hard_case;
+  std::string hard_case = "none";
 
   std::string impacts;         ///< table to read
   std::string out;             ///< sound to write

@@ -21,9 +21,9 @@ struct DelayModel {
   std::size_t fewest_ratios = 7;      ///< that show their scatter
   std::size_t anchors = 3;            ///< last impacts that predict one beyond the end: one may be in a wrong place
   double most_amplitude_ratio = 3.5;  ///< between neighbours; eps and the place struck explain up to two
-  // beyond the end a single loss or gain may be the reason why the tracker has none: 0.73 to 1.07 of the interval
-  double outlier_centre = 0.9;
-  double outlier_reach = 0.17;
+  // beyond the end a single loss or gain may be the reason why the tracker has none: 0.73 to 1.17 of the interval
+  double outlier_centre = 0.95;
+  double outlier_reach = 0.22;
 
   // what is found there: log likelihood ratio over the residual variance. In the ringing of another impact the residual
   // is not white; one between two impacts needs less than one beyond the end

@@ -26,7 +26,6 @@ void add_robot(SynthesisConfig& c) {
 }
 
 constexpr Recipe kRecipes[]{
-    {"none", "no difficulty", [](SynthesisConfig&) {}},
     {"noisy", "weakest impact only 10 dB above white and 1/f noise",
      [](SynthesisConfig& c) {
        c.snr_db = 10.0;
