@@ -83,6 +83,24 @@ TEST_F(ValidateCommand, LosesOneRecordingToADetectorThatFails) {
   EXPECT_THAT(line_of("'sh -c \"echo 1e9\" {wav}'"), HasSubstr("1e+09 s is no time of a recording"));
 }
 
+TEST_F(ValidateCommand, GivesAFailedDetectorNeitherSpeedNorSilenceAndEndsWhatItStarted) {
+  write("set.toml", "without_ball = [false, true]\n");
+  write("fails.sh", "echo 'Traceback (most recent call last):' >&2; echo 'ValueError: empty' >&2; exit 1\n");
+  write("starts.sh", "sh -c 'sleep 3; touch outlived' & sleep 100\n");
+  const Result result =
+      run(std::string("validate --config set.toml --time-limit 1 --out o --detector 'sh fails.sh {wav}' "
+                      "--detector 'sh starts.sh {wav}' ") +
+          kSmall);
+  EXPECT_EQ(result.exit_code, 1);  // none worked anywhere
+  EXPECT_THAT(result.err, HasSubstr("the program failed: ValueError: empty"));
+  EXPECT_THAT(result.out, HasSubstr("failed in 2 of 2 recordings"));
+  const Json found = Json::parse(content_of(folder_ / "o/validation.json"));
+  EXPECT_TRUE(found["detectors"][0]["all"]["invented_per_hour"].is_null());
+  EXPECT_TRUE(found["detectors"][0]["all"]["times_real_time"].is_null());
+  ASSERT_EQ(shell("sleep 3").exit_code, 0);
+  EXPECT_FALSE(fs::exists(folder_ / "outlived"));
+}
+
 TEST_F(ValidateCommand, TakesSecondsAsSecondsAndMarksOfEditorsAsTruth) {
   write("sparse.txt", "10\n45\n82\n130\n");  // neither milliseconds nor intervals
   write("unsorted.txt", "82\n10\n130\n45\n");
