@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "stages/validate/cases.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <map>
+#include <optional>
+
+#include "bouncelab/core/error.hpp"
+#include "bouncelab/core/text.hpp"
+#include "stages/progress_line.hpp"
+#include "stages/simulate.hpp"
+#include "stages/synthesize.hpp"
+
+namespace bouncelab::stages {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// What makes a recording.
+struct Scene {
+  ValidateOptions options;
+  CommonOptions common;
+};
+
+/// What may differ from recording to recording: ball, drops, sound and the seed; absent of all else.
+std::optional<Option> option_of(Scene& scene, const std::vector<Section>& sections, const std::string& name) {
+  if (name == "seed") return option_named({common_section(scene.common)}, name);
+  return option_named(sections, name);
+}
+
+/// The scene with other values. @throws InvalidArgument naming the setting
+Scene with_settings(const Scene& scene, const loop::Settings& settings) {
+  Scene changed = scene;
+  const std::vector<Section> sections = scene_sections(changed.options);
+  for (const auto& [name, value] : settings) {
+    const std::optional<Option> option = option_of(changed, sections, name);
+    if (!option) throw InvalidArgument("--" + name + ": has one value in all recordings, not a list");
+    try {
+      option->member->set(option->object, value_from_texts(*option->member, {value}));
+    } catch (const InvalidArgument& error) {
+      throw InvalidArgument("--" + name + ": " + error.what());
+    }
+  }
+  return changed;
+}
+
+/// "snr-db_0", and "all_else" for the one that is like the first value of each list.
+std::string name_of(const loop::Settings& settings) {
+  std::string name = settings.empty() ? "all_else" : "";
+  for (const auto& [option, value] : settings) name += (name.empty() ? "" : "_") + option + "_" + value;
+  std::replace_if(
+      name.begin(), name.end(),
+      [](char c) { return std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '.' && c != '-'; }, '_');
+  return name;
+}
+
+/// What all recordings have that are not varied: the first value of each list.
+loop::Settings first_values(const std::vector<loop::SweepAxis>& lists) {
+  loop::Settings settings;
+  for (const loop::SweepAxis& list : lists) settings.emplace_back(list.option, list.values.front());
+  return settings;
+}
+
+SimulateOptions simulate_options(const ValidateOptions& options) {
+  SimulateOptions simulate = options.simulate;
+  simulate.world = options.world;
+  return simulate;
+}
+
+SynthesizeOptions synthesize_options(const ValidateOptions& options) {
+  SynthesizeOptions synthesize = options.synthesize;
+  synthesize.world = options.world;
+  return synthesize;
+}
+
+/// Is it an option of the simulation, the ball, or the seed?
+bool changes_impacts(const ValidateOptions& options, const loop::Settings& settings) {
+  ValidateOptions copy = options;
+  const std::vector<Section> sections = scene_sections(copy);
+  return std::any_of(settings.begin(), settings.end(), [&](const auto& setting) {
+    if (setting.first == "seed") return true;
+    const std::vector<std::string>& stages = option_named(sections, setting.first)->section->stages;
+    return std::find(stages.begin(), stages.end(), "simulate") != stages.end();
+  });
+}
+
+std::vector<fs::path> files_in(const fs::path& folder) {
+  std::vector<fs::path> files;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder))
+    if (entry.is_regular_file() && !entry.path().filename().string().starts_with('.')) files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+/// The files of a folder that are sound, by their names.
+std::vector<fs::path> sounds_of(const std::vector<std::string>& recordings) {
+  constexpr std::array kEndings{".wav", ".flac", ".ogg", ".mp3",  ".m4a", ".opus", ".aif", ".aiff",
+                                ".au",  ".w64",  ".caf", ".webm", ".mp4", ".mkv",  ".mov", ".rf64"};
+  std::vector<fs::path> sounds;
+  for (const fs::path path : recordings) {
+    if (!fs::is_directory(path)) {
+      sounds.push_back(path);
+      continue;
+    }
+    for (const fs::path& file : files_in(path)) {
+      std::string ending = file.extension().string();
+      std::transform(ending.begin(), ending.end(), ending.begin(),
+                     [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+      if (std::find(kEndings.begin(), kEndings.end(), ending) != kEndings.end()) sounds.push_back(file);
+    }
+  }
+  if (sounds.empty()) throw InvalidArgument("--recordings: there is no recording in " + printable(recordings.front()));
+  return sounds;
+}
+
+/// NAME.truth.csv, else the one NAME.csv, NAME.txt ... that there is.
+fs::path truth_of(const fs::path& sound, const fs::path& folder) {
+  constexpr std::array kEndings{".csv", ".txt", ".tsv", ".TextGrid", ".svl", ".jsonl", ".lab", ".labels"};
+  if (!fs::is_directory(folder)) return folder;
+  const std::string stem = sound.stem().string();
+  if (fs::path ours = folder / (stem + ".truth.csv"); fs::exists(ours)) return ours;
+  std::vector<fs::path> found;
+  for (const char* ending : kEndings)
+    if (fs::path file = folder / (stem + ending); fs::exists(file)) found.push_back(file);
+  if (found.size() == 1) return found.front();
+  if (found.empty())
+    throw FileError((folder / stem).string() + ".truth.csv",
+                    "no such file, nor marks of that name (.txt, .TextGrid, .svl ...): where are the true times of " +
+                        printable(sound.string()) + "?");
+  throw FileError(found[0].string(), "and " + printable(found[1].string()) +
+                                         " may both be the truth; call the right one " + printable(stem) +
+                                         ".truth.csv");
+}
+
+}  // namespace
+
+std::vector<Case> cases_of(const ValidateOptions& options, const Run& run, const fs::path& folder) {
+  const loop::Settings first = first_values(run.sweep);
+  std::vector<loop::Settings> all{{}};
+  for (const loop::SweepAxis& list : run.sweep)
+    for (std::size_t k = 1; k < list.values.size(); ++k) all.push_back({{list.option, list.values[k]}});
+  std::vector<Case> cases;
+  for (const loop::Settings& settings : all) {
+    const std::string name = name_of(settings);
+    cases.push_back({name, folder / (name + ".wav"), folder / (name + ".truth.csv"), settings});
+    try {  // what is wrong with any is said before the work
+      const Scene changed = with_settings(with_settings({options, run.common}, first), settings);
+      simulation_config(simulate_options(changed.options), changed.common.seed, run.common.n_threads);
+      synthesis_config(synthesize_options(changed.options), changed.common.seed, run.common.n_threads);
+    } catch (const InvalidArgument& error) {
+      throw InvalidArgument("recording " + name + ": " + error.what());
+    }
+  }
+  return cases;
+}
+
+void make_sound(const ValidateOptions& options, const std::vector<Case>& cases, const fs::path& folder,
+                const Run& run) {
+  const loop::Settings first_settings = first_values(run.sweep);
+  const Scene first = with_settings({options, run.common}, first_settings);
+  const ProgressCallback progress = progress_line(run, "synthesize", "recordings");
+  for (std::size_t k = 0; k < cases.size(); ++k) {
+    progress(static_cast<double>(k), static_cast<double>(cases.size()));
+    const Case& c = cases[k];
+    const Scene changed = with_settings(first, c.settings);
+    Run quiet = run;
+    quiet.common = changed.common;
+    quiet.common.quiet = true;
+    for (const loop::Settings& settings : {first_settings, c.settings})
+      for (const auto& [name, value] : settings) set_parameter(quiet.parameters, name, value);
+    const bool is_own = k == 0 || changes_impacts(options, c.settings);
+    const fs::path impacts = folder / ((is_own ? c : cases.front()).name + ".impacts.csv");
+    if (is_own) {
+      SimulateOptions simulate = simulate_options(changed.options);
+      simulate.out = impacts;
+      run_simulate(simulate, quiet);
+    }
+    SynthesizeOptions synthesize = synthesize_options(changed.options);
+    synthesize.impacts = impacts;
+    synthesize.out = c.sound;
+    synthesize.truth = c.truth;
+    run_synthesize(synthesize, quiet);
+  }
+}
+
+std::vector<Case> given_cases(const ValidateOptions& options) {
+  if (options.truth.empty()) throw InvalidArgument("--recordings: name the folder of their true times with --truth");
+  std::vector<Case> cases;
+  std::map<std::string, int> n_called;
+  for (const fs::path& sound : sounds_of(options.recordings)) {
+    const std::string stem = sound.stem().string();
+    const int n = ++n_called[stem];
+    cases.push_back({n > 1 ? stem + " (" + std::to_string(n) + ")" : stem, sound, truth_of(sound, options.truth), {}});
+  }
+  if (cases.size() > 1 && !fs::is_directory(options.truth))
+    throw InvalidArgument("--truth " + printable(options.truth) +
+                          " is one file, of one recording; give the folder in which each recording has its own");
+  return cases;
+}
+
+}  // namespace bouncelab::stages

@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "stages/validate/detectors.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <ctime>
+#include <optional>
+#include <string_view>
+
+#include "bouncelab/audio/annotations.hpp"
+#include "bouncelab/audio/audio_reader.hpp"
+#include "bouncelab/core/child_process.hpp"
+#include "bouncelab/core/error.hpp"
+#include "bouncelab/core/files.hpp"
+#include "bouncelab/core/parallel.hpp"
+#include "bouncelab/core/text.hpp"
+#include "bouncelab/detection/detect.hpp"
+#include "stages/files/foreign_files.hpp"
+#include "stages/files/table_file.hpp"
+
+namespace bouncelab::stages {
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::string kBuiltin = "builtin";
+
+/// Blanks separate; a line without anything, or that begins with #, is none.
+std::vector<std::string_view> lines_of_times(std::string_view text) {
+  std::vector<std::string_view> lines;
+  while (!text.empty()) {
+    const std::string_view line = text.substr(0, text.find('\n'));
+    text.remove_prefix(std::min(text.size(), line.size() + 1));
+    if (line.find_first_not_of(" \t\r") != std::string_view::npos && line.front() != '#') lines.push_back(line);
+  }
+  return lines;
+}
+
+/// The numbers of a line, at most three; none where it holds anything else.
+std::vector<double> numbers_of(std::string_view line) {
+  std::vector<double> numbers;
+  for (std::size_t at = 0;
+       (at = line.find_first_not_of(" \t\r", at)) != std::string_view::npos && numbers.size() < 3;) {
+    double value = 0.0;
+    const auto [end, status] = from_chars(line.data() + at, line.data() + line.size(), value);
+    at = static_cast<std::size_t>(end - line.data());
+    const bool ends = at == line.size() || line[at] == ' ' || line[at] == '\t' || line[at] == '\r';
+    if (status != std::errc{} || !std::isfinite(value) || !ends) return {};
+    numbers.push_back(value);
+  }
+  return numbers;
+}
+
+/// Words as a shell makes them of a line without variables: blanks separate, ' and " hold together.
+std::vector<std::string> words_of(const std::string& line) {
+  std::vector<std::string> words;
+  char quote = 0;
+  bool in_word = false;
+  for (const char c : line) {
+    const bool ends = quote != 0 ? c == quote : c == '\'' || c == '"';
+    if (ends) {
+      quote = quote != 0 ? '\0' : c;
+      if (!in_word) words.emplace_back(), in_word = true;
+    } else if (quote == 0 && (c == ' ' || c == '\t')) {
+      in_word = false;
+    } else {
+      if (!in_word) words.emplace_back(), in_word = true;
+      words.back() += c;
+    }
+  }
+  if (quote != 0) throw InvalidArgument("--detector " + printable(line) + ": a quotation mark is not closed");
+  if (words.empty()) throw InvalidArgument("--detector: the command is empty");
+  return words;
+}
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  for (std::size_t at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size()))
+    text.replace(at, from.size(), to);
+  return text;
+}
+
+std::string quoted(const std::string& text) { return "'" + replaced(text, "'", "'\\''") + "'"; }
+
+double thread_time_s() {
+  std::timespec now{};
+  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+void detect_by_builtin(const fs::path& sound, Marks& marks) {
+  const double begin_s = thread_time_s();
+  with_threads(1, [&] { marks.onsets = detection::detect(sound, {}).onsets; });
+  marks.processor_s = thread_time_s() - begin_s;
+}
+
+/// A time on each line, and its standard error where a second number follows. @throws InvalidArgument quoting the line
+Onsets onsets_of_lines(const std::string& text) {
+  Onsets onsets;
+  for (const std::string_view line : lines_of_times(text)) {
+    const std::vector<double> numbers = numbers_of(line);
+    if (numbers.empty() || numbers.size() > 2)
+      throw InvalidArgument("'" + printable(std::string(line.substr(0, 60))) + "' is no time in seconds");
+    Onset& onset = onsets.emplace_back();
+    onset.t_s = numbers[0];
+    if (numbers.size() == 2) onset.sigma_t_s = numbers[1];
+  }
+  return onsets;
+}
+
+void detect_by_program(const Detector& detector, const ValidateOptions& options, const fs::path& sound,
+                       const fs::path& file, Marks& marks) {
+  constexpr std::size_t kMostOutput_bytes = std::size_t{1} << 26;
+  std::vector<std::string> arguments = detector.arguments;
+  for (std::string& argument : arguments) {
+    argument = replaced(argument, "{wav}", detector.has_shell ? quoted(sound.string()) : sound.string());
+    argument = replaced(argument, "{out}", detector.has_shell ? quoted(file.string()) : file.string());
+  }
+  const ChildLimits limits{0.0, 0, options.time_limit_s};
+  const ProgramResult result = run_program(detector.program, arguments, sound.string(), -1, limits, kMostOutput_bytes);
+  marks.processor_s = result.processor_s;
+  if (!result.ended_well) {
+    std::string said = result.complaints.substr(0, result.complaints.find_last_not_of("\n\r ") + 1);
+    said.erase(0, said.rfind('\n') + 1);  // the last line: above it is where, in Python
+    throw InvalidArgument("the program failed" + (said.empty() ? "" : ": " + printable(said)));
+  }
+  if (detector.writes_file) {
+    std::vector<std::string> says;
+    marks.onsets = read_times(file, says).onsets;
+  } else {
+    marks.onsets = onsets_of_lines(result.output);
+  }
+}
+
+/// @throws InvalidArgument where a time is not within the recording
+void put_in_order(Onsets& onsets, double duration_s) {
+  std::stable_sort(onsets.begin(), onsets.end(), [](const Onset& a, const Onset& b) { return a.t_s < b.t_s; });
+  constexpr double kBeyond_s = 1.0;  // a detector may have a latency
+  if (!onsets.empty() && (onsets.front().t_s < -kBeyond_s || onsets.back().t_s > duration_s + kBeyond_s))
+    throw InvalidArgument(fmt::format("{:g} s is no time of a recording of {:g} s",
+                                      onsets.front().t_s < -kBeyond_s ? onsets.front().t_s : onsets.back().t_s,
+                                      duration_s));
+  std::int64_t impact = 0;
+  for (Onset& onset : onsets) {
+    onset.drop = 0;
+    onset.impact = impact++;
+    onset.recording.clear();
+  }
+}
+
+}  // namespace
+
+loop::TrueTimes read_times(const fs::path& path, std::vector<std::string>& says) {
+  const std::string text = whole_content(readable(path));
+  const std::vector<std::string_view> lines = lines_of_times(text);
+  loop::TrueTimes times;
+  if (lines.empty() || (lines.size() == 1 && lines[0].starts_with("t_s"))) return times;
+  if (path.extension() == ".jsonl" || audio::is_own_table(text.substr(0, audio::kHeadOfTimes_bytes))) {
+    times = loop::true_times_from_table(read_table(path, loop::true_time_columns()), input_name(path));
+  } else if (std::all_of(lines.begin(), lines.end(), [](const auto& line) { return numbers_of(line).size() == 1; })) {
+    for (const std::string_view line : lines) times.onsets.emplace_back().t_s = numbers_of(line)[0];
+  } else {
+    times.onsets = read_onsets(path, {}, says);
+    for (Onset& onset : times.onsets) onset.sigma_t_s.reset();  // of the digits that the file has
+  }
+  for (Onset& onset : times.onsets) onset.recording.clear();  // of one recording, whatever it is called
+  return times;
+}
+
+Detector detector_of(const std::string& text, bool shell) {
+  Detector detector;
+  detector.name = text;
+  if (text == kBuiltin) return detector;
+  if (text.find("{wav}") == std::string::npos)
+    throw InvalidArgument("--detector " + printable(text) + ": where in it is the recording? Write {wav} there");
+  detector.writes_file = text.find("{out}") != std::string::npos;
+  detector.has_shell = shell;
+  detector.arguments = shell ? std::vector<std::string>{"sh", "-c", text} : words_of(text);
+  const std::string name = detector.arguments.front();
+  detector.arguments.erase(detector.arguments.begin());
+  const std::optional<fs::path> program =
+      name.find('/') != std::string::npos ? std::optional<fs::path>(name) : find_program(name);
+  if (program && ::access(program->c_str(), X_OK) != 0)
+    throw InvalidArgument("--detector " + printable(text) + ": " + printable(name) + " is no program that may be run");
+  if (!program) throw InvalidArgument("--detector " + printable(text) + ": there is no program " + printable(name));
+  detector.program = *program;
+  return detector;
+}
+
+Marks marks_of(const Detector& detector, const Case& c, const loop::TrueTimes& truth, const ValidateOptions& options,
+               const fs::path& file) {
+  Marks marks;
+  double duration_s = 0.0;
+  try {
+    const audio::AudioFormat format = audio::AudioReader(c.sound).format();
+    duration_s = static_cast<double>(format.n_frames) / format.rate_hz;
+    if (detector.name == kBuiltin)
+      detect_by_builtin(c.sound, marks);
+    else
+      detect_by_program(detector, options, c.sound, file, marks);
+    put_in_order(marks.onsets, duration_s);
+  } catch (const Interrupted&) {
+    throw;
+  } catch (const Error& error) {
+    marks.onsets.clear();
+    marks.failure = error.what();
+    marks.processor_s = duration_s = 0.0;  // it has neither speed nor silence
+  }
+  marks.score = loop::score_detector(truth, marks.onsets, duration_s, marks.processor_s);
+  return marks;
+}
+
+}  // namespace bouncelab::stages

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "bouncelab/core/onsets.hpp"
+#include "bouncelab/loop/detector_score.hpp"
+#include "stages/validate/cases.hpp"
+
+namespace bouncelab::stages {
+
+/// Times of any file: numbers one a line are seconds; tables of ours; what convert reads. Nothing, or a title alone, is
+/// no time.
+/// @param says  a line where it is a table of something else, of how it was read
+loop::TrueTimes read_times(const std::filesystem::path& path, std::vector<std::string>& says);
+
+/// A detector as it is named by the user, ready to run.
+struct Detector {
+  std::string name;
+  std::filesystem::path program;
+  std::vector<std::string> arguments;  ///< with {wav} and {out}
+  bool writes_file = false;            ///< in place of its standard output
+  bool has_shell = false;
+};
+/// @throws InvalidArgument where it cannot be run
+Detector detector_of(const std::string& text, bool shell);
+
+/// What one detector marked in one recording.
+struct Marks {
+  Onsets onsets;
+  double processor_s = 0.0;
+  std::string failure;  ///< one line; empty: none
+  loop::DetectorScore score;
+};
+/// @param file  {out} of its command
+Marks marks_of(const Detector& detector, const Case& c, const loop::TrueTimes& truth, const ValidateOptions& options,
+               const std::filesystem::path& file);
+
+}  // namespace bouncelab::stages
