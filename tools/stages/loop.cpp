@@ -35,21 +35,6 @@ const char* const kOutputs[] = {"impacts.csv", "recording.wav",
                                 "wave.json",   "summary.json",
                                 "report.html"};
 
-SimulateOptions simulate_options(const LoopOptions& options) {
-  SimulateOptions simulate = options.simulate;
-  simulate.world = options.world;
-  return simulate;
-}
-
-SynthesizeOptions synthesize_options(const LoopOptions& options) {
-  SynthesizeOptions synthesize = options.synthesize;
-  synthesize.world = options.world;
-  if (synthesize.config.together > 1)
-    throw InvalidArgument("--together: a loop closes over one ball at a time; synthesize makes sound of several");
-  if (synthesize.config.without_ball) throw InvalidArgument("--without-ball: a loop closes over a ball's impacts");
-  return synthesize;
-}
-
 /// The files of one loop.
 struct LoopFiles {
   explicit LoopFiles(const fs::path& folder)
@@ -95,10 +80,10 @@ Onsets read_onsets(const fs::path& path) { return onsets_from_table(read_table(p
 /// plate of 30 x 20 cm in some 30 bounces, which the experiment's balls did not.
 Outcome times_to_times(const LoopOptions& options, const LoopFiles& files, const Run& run, StageClock& clock,
                        std::vector<sim::Reservoir>& reservoirs) {
-  SimulateOptions simulate = simulate_options(options);
+  SimulateOptions simulate = with_world(options.simulate, options.world);
   simulate.out = files.impacts;
   clock.time("simulate", [&] { return run_simulate(simulate, run, &reservoirs); });
-  SynthesizeOptions synthesize = synthesize_options(options);
+  SynthesizeOptions synthesize = with_world(options.synthesize, options.world);
   synthesize.impacts = files.impacts;
   synthesize.out = files.recording;
   synthesize.truth = files.truth;
@@ -121,8 +106,9 @@ std::optional<loop::ScatterTheory> theory_of(const LoopOptions& options, const l
 /// 40 drops or so, every stage on the files of the contract: any of them can be run again by hand.
 Outcome run_through_files(const LoopOptions& options, const Run& run) {
   loop::LoopConfig config;  // what is wrong with it is said before the work
-  config.simulation = simulation_config(simulate_options(options), run.common.seed, run.common.n_threads);
-  synthesis_config(synthesize_options(options), run.common.seed, run.common.n_threads);
+  config.simulation =
+      simulation_config(with_world(options.simulate, options.world), run.common.seed, run.common.n_threads);
+  synthesis_config(with_world(options.synthesize, options.world), run.common.seed, run.common.n_threads);
   const fs::path folder = options.out;
   const OutputFolder output_folder(folder);
   std::vector<fs::path> outputs;
@@ -183,14 +169,9 @@ std::vector<Section> loop_sections(LoopOptions& options) {
       member("keep_sound", &O::keep_sound, "paper: keep the sound too, DIR/sound/*.flac, 3 MB a drop"),
       member("no_memory", &O::without_memory,
              "paper: without the fits with memory, which take three quarters of the time")};
-  static const Description ball = ball_options("");
-  Section disturbances = disturbances_section(options.synthesize);
-  disturbances.stages = {"synthesize"};
-  return {{"", &own, &options},
-          {"", &ball, &options.world, {"simulate", "synthesize"}},
-          {"Ball, ground and drops", &members_of(&options.simulate), &options.simulate, {"simulate"}},
-          {"Sound", &members_of(&options.synthesize), &options.synthesize, {"synthesize"}},
-          disturbances};
+  std::vector<Section> sections = scene_sections(options.world, options.simulate, options.synthesize);
+  sections.insert(sections.begin(), {"", &own, &options});
+  return sections;
 }
 
 void apply_loop_preset(LoopOptions& options, Run& run) {
@@ -207,8 +188,8 @@ void apply_loop_preset(LoopOptions& options, Run& run) {
 
 loop::LoopConfig loop_config(const LoopOptions& options, const CommonOptions& common) {
   loop::LoopConfig config;
-  config.simulation = simulation_config(simulate_options(options), common.seed, common.n_threads);
-  config.synthesis = synthesis_config(synthesize_options(options), common.seed, common.n_threads);
+  config.simulation = simulation_config(with_world(options.simulate, options.world), common.seed, common.n_threads);
+  config.synthesis = synthesis_config(with_world(options.synthesize, options.world), common.seed, common.n_threads);
   if (config.synthesis.channels.size() != 1)
     throw InvalidArgument("--channel: a loop through memory has one sensor, not " +
                           std::to_string(config.synthesis.channels.size()) +

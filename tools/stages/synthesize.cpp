@@ -271,6 +271,16 @@ synthesis::SynthesisResult each_drop(const SynthesizeOptions& options, const syn
 
 }  // namespace
 
+std::vector<Section> scene_sections(BallChoice& world, SimulateOptions& simulate, SynthesizeOptions& synthesize) {
+  static const Description ball = ball_options("");
+  Section disturbances = disturbances_section(synthesize);
+  disturbances.stages = {"synthesize"};
+  return {{"", &ball, &world, {"simulate", "synthesize"}},
+          {"Ball, ground and drops", &members_of(&simulate), &simulate, {"simulate"}},
+          {"Sound", &members_of(&synthesize), &synthesize, {"synthesize"}},
+          disturbances};
+}
+
 const Description& codec_option() {
   static const Description option{
       member("codec", &SynthesizeOptions::codec,

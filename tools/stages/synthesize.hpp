@@ -4,12 +4,15 @@
 #include <string>
 #include <vector>
 
+#include "stage_options/simulate_options.hpp"
 #include "stage_options/synthesize_options.hpp"
 #include "stages/ball_of_files.hpp"
 #include "stages/run.hpp"
 
 namespace bouncelab::stages {
 
+/// Ball, drops, sound and disturbances of a run that simulates and synthesizes.
+std::vector<Section> scene_sections(BallChoice& world, SimulateOptions& simulate, SynthesizeOptions& synthesize);
 /// Option --codec, which needs files.
 const Description& codec_option();
 

@@ -80,14 +80,9 @@ std::vector<Section> validate_sections(ValidateOptions& options) {
 }
 
 std::vector<Section> scene_sections(ValidateOptions& options) {
-  static const Description ball = ball_options("");
-  Section disturbances = disturbances_section(options.synthesize);
-  disturbances.stages = {"synthesize"};
-  return {{"", &ball, &options.world, {"simulate", "synthesize"}},
-          {"Ball, ground and drops", &members_of(&options.simulate), &options.simulate, {"simulate"}},
-          {"Sound", &members_of(&options.synthesize), &options.synthesize, {"synthesize"}},
-          {"", &codec_option(), &options.synthesize, {"synthesize"}},
-          disturbances};
+  std::vector<Section> sections = scene_sections(options.world, options.simulate, options.synthesize);
+  sections.push_back({"", &codec_option(), &options.synthesize, {"synthesize"}});
+  return sections;
 }
 
 Outcome run_validate(const ValidateOptions& options, const Run& run) {

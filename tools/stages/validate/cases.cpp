@@ -63,18 +63,6 @@ loop::Settings first_values(const std::vector<loop::SweepAxis>& lists) {
   return settings;
 }
 
-SimulateOptions simulate_options(const ValidateOptions& options) {
-  SimulateOptions simulate = options.simulate;
-  simulate.world = options.world;
-  return simulate;
-}
-
-SynthesizeOptions synthesize_options(const ValidateOptions& options) {
-  SynthesizeOptions synthesize = options.synthesize;
-  synthesize.world = options.world;
-  return synthesize;
-}
-
 /// Is it an option of the simulation, the ball, or the seed?
 bool changes_impacts(const ValidateOptions& options, const loop::Settings& settings) {
   ValidateOptions copy = options;
@@ -147,8 +135,10 @@ std::vector<Case> cases_of(const ValidateOptions& options, const Run& run, const
     cases.push_back({name, folder / (name + ".wav"), folder / (name + ".truth.csv"), settings});
     try {  // what is wrong with any is said before the work
       const Scene changed = with_settings(with_settings({options, run.common}, first), settings);
-      simulation_config(simulate_options(changed.options), changed.common.seed, run.common.n_threads);
-      synthesis_config(synthesize_options(changed.options), changed.common.seed, run.common.n_threads);
+      simulation_config(with_world(changed.options.simulate, changed.options.world), changed.common.seed,
+                        run.common.n_threads);
+      synthesis_config(with_world(changed.options.synthesize, changed.options.world), changed.common.seed,
+                       run.common.n_threads);
     } catch (const InvalidArgument& error) {
       throw InvalidArgument("recording " + name + ": " + error.what());
     }
@@ -173,11 +163,11 @@ void make_sound(const ValidateOptions& options, const std::vector<Case>& cases, 
     const bool is_own = k == 0 || changes_impacts(options, c.settings);
     const fs::path impacts = folder / ((is_own ? c : cases.front()).name + ".impacts.csv");
     if (is_own) {
-      SimulateOptions simulate = simulate_options(changed.options);
+      SimulateOptions simulate = with_world(changed.options.simulate, changed.options.world);
       simulate.out = impacts;
       run_simulate(simulate, quiet);
     }
-    SynthesizeOptions synthesize = synthesize_options(changed.options);
+    SynthesizeOptions synthesize = with_world(changed.options.synthesize, changed.options.world);
     synthesize.impacts = impacts;
     synthesize.out = c.sound;
     synthesize.truth = c.truth;
