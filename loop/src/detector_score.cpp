@@ -159,11 +159,14 @@ void score_neighbours(const Onsets& truth, const Onsets& marked, const Matches& 
                              (truth[c].t_s - truth[b].t_s) / (truth[b].t_s - truth[a].t_s));
       }
       if (!from.sigma_t_s || !to.sigma_t_s || !(*from.sigma_t_s > 0.0) || !(*to.sigma_t_s > 0.0)) continue;
-      const double pull = (*error_s[b] - *error_s[a]) / std::hypot(*from.sigma_t_s, *to.sigma_t_s);
-      constexpr double kNormal95 = 1.959963984540054;
+      const double between_s = *error_s[b] - *error_s[a], sigma_s = std::hypot(*from.sigma_t_s, *to.sigma_t_s);
+      const double pull = between_s / sigma_s;
+      constexpr double kNormal95 = 1.959963984540054, kMostPull = 5.0;
+      const double scored_s = std::max(sigma_s, std::abs(between_s) / kMostPull);
       ++score.n_stated;
       score.n_covered += std::abs(pull) <= kNormal95 ? 1 : 0;
       score.sum_pull2 += square(pull);
+      score.sum_log_score -= log(scored_s / 1e-6) + 0.5 * square(between_s / scored_s);
     }
   }
   std::erase_if(eps_errors, [](double error) { return !std::isfinite(error); });  // two marks at one time
@@ -241,6 +244,7 @@ std::optional<double> DetectorScore::pull() const {
 std::optional<double> DetectorScore::coverage() const {
   return ratio(static_cast<double>(n_covered), static_cast<double>(n_stated));
 }
+std::optional<double> DetectorScore::log_score() const { return ratio(sum_log_score, static_cast<double>(n_stated)); }
 std::optional<double> DetectorScore::invented_per_hour() const {
   return ratio(3600.0 * static_cast<double>(n_invented), without_ball_s);
 }
@@ -281,6 +285,7 @@ DetectorScore pooled(const std::vector<DetectorScore>& scores) {
     all.n_stated += score.n_stated;
     all.n_covered += score.n_covered;
     all.sum_pull2 += score.sum_pull2;
+    all.sum_log_score += score.sum_log_score;
     all.without_ball_s += score.without_ball_s;
     all.n_invented += score.n_invented;
     all.duration_s += score.duration_s;
@@ -325,6 +330,7 @@ const Description& members_of(const DetectorScore*) {
                            result("n_stated", &S::n_stated, ""),
                            result("pull", &S::pull, ""),
                            result("coverage", &S::coverage, ""),
+                           result("log_score", &S::log_score, ""),
                            result("invented_per_hour", &S::invented_per_hour, ""),
                            result("times_real_time", &S::times_real_time, "")};
     all.insert(all.end(), more.begin(), more.end());

@@ -84,6 +84,24 @@ TEST(DetectorScore, HasIntervalsOfEachBallWhereTwoBounce) {
   EXPECT_NEAR(*score.eps_error, 0.0, kExact);
 }
 
+TEST(DetectorScore, ScoresStatedErrorsHighestWhereTheyAreTheErrors) {
+  Random random(8, RandomStream::test, 0);
+  Onsets truth, marks;
+  for (int k = 0; k < 1000; ++k) {
+    Onset& onset = truth.emplace_back();
+    onset.t_s = 0.1 * k;
+    marks.push_back(onset);
+    marks.back().t_s += 2e-6 * random.normal();
+  }
+  const auto log_score = [&](double sigma_s) {
+    for (Onset& mark : marks) mark.sigma_t_s = sigma_s;
+    return *score_detector({truth}, marks, 100.0, 0.0).log_score();
+  };
+  // -ln(sqrt(2) 2) - 1/2 of intervals between times with errors of 2 us, within three times the error of that mean
+  EXPECT_NEAR(log_score(2e-6), -std::log(2.0 * std::sqrt(2.0)) - 0.5, 3.0 / std::sqrt(1000.0));
+  for (const double wrong_s : {1e-12, 0.2e-6, 1e-6, 4e-6, 1e-3}) EXPECT_LT(log_score(wrong_s), log_score(2e-6));
+}
+
 TEST(DetectorScore, CallsInventedWhatIsMarkedWithoutABall) {
   const DetectorScore score = score_detector({}, at({1.0, 2.0}), 7200.0, 1.0);
   EXPECT_NEAR(*score.invented_per_hour(), 1.0, kExact);

@@ -60,12 +60,17 @@ struct DetectorScore {
   std::size_t n_stated = 0;                    ///< intervals of which both standard errors are stated
   std::size_t n_covered = 0;                   ///< whose error is within 1.96 of them
   double sum_pull2 = 0.0;                      ///< of (error / standard error)^2
+  double sum_log_score = 0.0;                  ///< of log_score()
   double without_ball_s = 0.0;                 ///< length of recordings in which nothing strikes [s]
   std::size_t n_invented = 0;                  ///< marks in them
   double duration_s = 0.0, processor_s = 0.0;  ///< of the recordings, and of the detector on them
 
   std::optional<double> pull() const;      ///< root mean square, 1 where stated errors are right
   std::optional<double> coverage() const;  ///< of 95 % intervals
+  /// Mean of -ln(sigma / 1 us) - error^2 / (2 sigma^2) [nats]: largest where errors are small and stated as they are
+  /// (Gneiting and Raftery 2007, doi:10.1198/016214506000001437). Beyond 5 sigma, sigma counts as error / 5: an outlier
+  /// costs no more than that, and nothing is gained by a smaller sigma.
+  std::optional<double> log_score() const;
   std::optional<double> invented_per_hour() const;
   std::optional<double> times_real_time() const;
 };
