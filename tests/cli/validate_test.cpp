@@ -30,6 +30,16 @@ TEST_F(ValidateCommand, ScoresMarksAgainstTruth) {
   EXPECT_TRUE(score["pull"].is_null());
 }
 
+TEST_F(ValidateCommand, CountsNoMarksBeyondAnnotationsWhereAsked) {
+  write("truth.csv", "t_s\n1.0\n1.5\n1.9\n");
+  write("marks.txt", "0.3\n1.02\n1.4\n1.52\n1.92\n2.2\n2.4\n");  // 20 ms late, one within is invented
+  EXPECT_EQ(result_of("--marks marks.txt --truth truth.csv")["n_marked"], 7);
+  const Json score = result_of("--marks marks.txt --truth truth.csv --annotated-only");
+  EXPECT_EQ(score["n_marked"], 4);
+  EXPECT_EQ(score["recall_5ms"], 1.0);
+  expect_one_line_error(run("validate --annotated-only --detector builtin --out o"), 2, {"--annotated-only belongs"});
+}
+
 TEST_F(ValidateCommand, RunsThroughEachListByItself) {
   write("set.toml", "snr_db = [40, 20]\npeak = [0.5, 0.25, 3]\n");
   const Json found = result_of(std::string("--config set.toml --detector builtin --out o ") + kSmall);

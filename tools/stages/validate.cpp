@@ -27,7 +27,7 @@ Outcome run_marks(const ValidateOptions& options) {
   if (options.offset_only) truth.v_mps.clear();
   Onsets marks = read_times(options.marks, says).onsets;
   std::stable_sort(marks.begin(), marks.end(), [](const Onset& a, const Onset& b) { return a.t_s < b.t_s; });
-  const loop::DetectorScore score = loop::score_detector(truth, marks, 0.0, 0.0);
+  const loop::DetectorScore score = score_of(truth, marks, 0.0, 0.0, options.annotated_only);
   Outcome outcome;
   outcome.result = object_of(members_of(&score), &score);
   outcome.text = heading("") + line_of(fs::path(options.marks).filename().string(), score);
@@ -46,6 +46,9 @@ void check_usage(const ValidateOptions& options, const Run& run) {
   if (has_marks && !options.out.empty()) refuse_with("out", "marks");
   if (!options.truth.empty() && !has_marks && !has_recordings)
     throw InvalidArgument("--truth belongs to --recordings or --marks; what is synthesized has its own");
+  if (options.annotated_only && !has_marks && !has_recordings)
+    throw InvalidArgument(
+        "--annotated-only belongs to --recordings or --marks; what is synthesized has all true times");
   if (!has_marks && !has_recordings) return;
   ValidateOptions copy = options;
   const std::vector<Section> sections = scene_sections(copy);
@@ -73,7 +76,9 @@ std::vector<Section> validate_sections(ValidateOptions& options) {
       member("time_limit", &O::time_limit_s, "For a detector on one recording [s]").within(0.1, 86400.0),
       member("shell", &O::shell, "Commands are run by sh"),
       member("offset_only", &O::offset_only,
-             "Errors less their offset alone: not less a + b v^(-1/5), where in the contact an onset is marked")};
+             "Errors less their offset alone: not less a + b v^(-1/5), where in the contact an onset is marked"),
+      member("annotated_only", &O::annotated_only,
+             "Marks more than 5 ms before the first or after the last true time are not counted")};
   std::vector<Section> sections = scene_sections(options);
   sections.insert(sections.begin(), {"", &own, &options});
   return sections;

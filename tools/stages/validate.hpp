@@ -22,6 +22,7 @@ struct ValidateOptions {
   double time_limit_s = 60.0;  ///< for one recording
   bool shell = false;
   bool offset_only = false;
+  bool annotated_only = false;  ///< marks before the first and after the last true time do not count
   BallChoice world = kPaperBall;
   SimulateOptions simulate;
   SynthesizeOptions synthesize;

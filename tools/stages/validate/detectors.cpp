@@ -189,6 +189,20 @@ Detector detector_of(const std::string& text, bool shell) {
   return detector;
 }
 
+loop::DetectorScore score_of(const loop::TrueTimes& truth, Onsets marked, double duration_s, double processor_s,
+                             bool annotated_only) {
+  const loop::DetectorScore score = loop::score_detector(truth, marked, duration_s, processor_s);
+  if (!annotated_only || truth.onsets.empty()) return score;
+  constexpr double kAside_s = 5e-3;  // less than between the last impacts that are heard as two
+  const auto [first, last] = std::minmax_element(truth.onsets.begin(), truth.onsets.end(),
+                                                 [](const Onset& a, const Onset& b) { return a.t_s < b.t_s; });
+  std::erase_if(marked, [&, begin_s = first->t_s - kAside_s, end_s = last->t_s + kAside_s](const Onset& mark) {
+    const double t_s = mark.t_s - score.offset_s.value_or(0.0);
+    return t_s < begin_s || t_s > end_s;
+  });
+  return loop::score_detector(truth, marked, duration_s, processor_s);
+}
+
 Marks marks_of(const Detector& detector, const Case& c, const loop::TrueTimes& truth, const ValidateOptions& options,
                const fs::path& file) {
   Marks marks;
@@ -208,7 +222,7 @@ Marks marks_of(const Detector& detector, const Case& c, const loop::TrueTimes& t
     marks.failure = error.what();
     marks.processor_s = duration_s = 0.0;  // it has neither speed nor silence
   }
-  marks.score = loop::score_detector(truth, marks.onsets, duration_s, marks.processor_s);
+  marks.score = score_of(truth, marks.onsets, duration_s, marks.processor_s, options.annotated_only);
   return marks;
 }
 

@@ -34,6 +34,9 @@ struct Marks {
   std::string failure;  ///< one line; empty: none
   loop::DetectorScore score;
 };
+/// @param annotated_only  marks before the first and after the last true time do not count
+loop::DetectorScore score_of(const loop::TrueTimes& truth, Onsets marked, double duration_s, double processor_s,
+                             bool annotated_only);
 /// @param file  {out} of its command
 Marks marks_of(const Detector& detector, const Case& c, const loop::TrueTimes& truth, const ValidateOptions& options,
                const std::filesystem::path& file);
