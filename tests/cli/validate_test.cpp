@@ -75,6 +75,31 @@ TEST_F(ValidateCommand, TakesTimesFromOutputAndFromFiles) {
   EXPECT_EQ(found["detectors"][2]["all"]["coverage"], 1.0);
 }
 
+TEST_F(ValidateCommand, ReadsWhatAProgramMakesOfTheNameOfItsFile) {
+  ASSERT_EQ(run(std::string("validate --detector builtin --out first ") + kSmall).exit_code, 0);
+  write("by_name.sh", "tail -n +2 first/recordings/all_else.truth.csv | cut -d, -f4 | sed 's/$/ 1e-6/' > \"$2\"\n");
+  const Json found = result_of(
+      "--recordings first/recordings --truth first/recordings --out o --detector 'sh by_name.sh {wav} {out}' "
+      "--detector 'sh by_name.sh {wav} {out}.csv' --detector 'echo {wav} {out}'");
+  for (const int d : {0, 1}) EXPECT_EQ(found["detectors"][d]["all"]["coverage"], 1.0) << found["detectors"][d];
+  EXPECT_EQ(found["detectors"][2]["recordings"][0]["failure"], "the program has not written {out}");
+}
+
+TEST_F(ValidateCommand, KeepsRecordingsFromDetectorsThatOverwriteThem) {
+  ASSERT_EQ(run(std::string("validate --detector builtin --out first ") + kSmall).exit_code, 0);
+  const std::string before = content_of(folder_ / "first/recordings/all_else.wav");
+  const Json found = result_of(
+      "--recordings first/recordings --truth first/recordings --out o --detector 'rm {wav}' "
+      "--detector \"sh -c 'echo no > \\$0; cat \\$0' {wav}\" --detector builtin");
+  EXPECT_EQ(found["detectors"][0]["recordings"][0]["failure"], "");
+  EXPECT_EQ(found["detectors"][1]["recordings"][0]["failure"], "'no' is no time in seconds");
+  EXPECT_EQ(found["detectors"][2]["all"]["f_1ms"], 1.0);
+  EXPECT_EQ(content_of(folder_ / "first/recordings/all_else.wav"), before);
+  EXPECT_EQ(shell("ls -A o").out,
+            "marks\nreport.html\nreport.html.meta.json\nscores.csv\nscores.csv.meta.json\n"
+            "validation.json\nvalidation.json.meta.json\n");
+}
+
 TEST_F(ValidateCommand, LosesOneRecordingToADetectorThatFails) {
   ASSERT_EQ(run(std::string("validate --detector builtin --out first ") + kSmall).exit_code, 0);
   const std::string command = "validate --recordings first/recordings --truth first/recordings --time-limit 1 --out ";

@@ -25,7 +25,7 @@ Outcome run_marks(const ValidateOptions& options) {
   std::vector<std::string> says;
   loop::TrueTimes truth = read_times(options.truth, says);
   if (options.offset_only) truth.v_mps.clear();
-  Onsets marks = read_times(options.marks, says).onsets;
+  Onsets marks = read_marks(options.marks, says);
   std::stable_sort(marks.begin(), marks.end(), [](const Onset& a, const Onset& b) { return a.t_s < b.t_s; });
   const loop::DetectorScore score = score_of(truth, marks, 0.0, 0.0, options.annotated_only);
   Outcome outcome;
@@ -135,10 +135,7 @@ Outcome run_validate(const ValidateOptions& options, const Run& run) {
     const std::size_t d = k % detectors.size();
     const std::size_t of = k / detectors.size();
     const Case& c = cases[of];
-    const fs::path own_file = marks_folder / std::to_string(d + 1) / ("." + c.name + ".out");
-    Marks& marks = results[d].marks[of] = marks_of(detectors[d], c, truths[of], options, own_file);
-    std::error_code ignored;
-    fs::remove(own_file, ignored);
+    Marks& marks = results[d].marks[of] = marks_of(detectors[d], c, truths[of], options, fs::absolute(folder));
     write_table(run, marks_folder / std::to_string(d + 1) / (c.name + ".csv"), to_table(marks.onsets), {c.sound});
   }
 

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <ctime>
 #include <optional>
@@ -19,6 +20,7 @@
 #include "bouncelab/core/text.hpp"
 #include "bouncelab/detection/detect.hpp"
 #include "stages/files/foreign_files.hpp"
+#include "stages/files/scratch_folder.hpp"
 #include "stages/files/table_file.hpp"
 
 namespace bouncelab::stages {
@@ -110,12 +112,18 @@ Onsets onsets_of_lines(const std::string& text) {
   return onsets;
 }
 
+/// @param scratch  an empty folder
 void detect_by_program(const Detector& detector, const ValidateOptions& options, const fs::path& sound,
-                       const fs::path& file, Marks& marks) {
+                       const fs::path& scratch, Marks& marks) {
   constexpr std::size_t kMostOutput_bytes = std::size_t{1} << 26;
+  const fs::path copy = scratch / sound.filename();
+  fs::path file = scratch / "out";
+  std::error_code error;
+  if (!fs::copy_file(readable(sound), copy, error))
+    throw FileError(sound.string(), "cannot be copied for the detector (" + error.message() + ")");
   std::vector<std::string> arguments = detector.arguments;
   for (std::string& argument : arguments) {
-    argument = replaced(argument, "{wav}", detector.has_shell ? quoted(sound.string()) : sound.string());
+    argument = replaced(argument, "{wav}", detector.has_shell ? quoted(copy.string()) : copy.string());
     argument = replaced(argument, "{out}", detector.has_shell ? quoted(file.string()) : file.string());
   }
   const ChildLimits limits{0.0, 0, options.time_limit_s};
@@ -126,12 +134,19 @@ void detect_by_program(const Detector& detector, const ValidateOptions& options,
     said.erase(0, said.rfind('\n') + 1);  // the last line: above it is where, in Python
     throw InvalidArgument("the program failed" + (said.empty() ? "" : ": " + printable(said)));
   }
-  if (detector.writes_file) {
-    std::vector<std::string> says;
-    marks.onsets = read_times(file, says).onsets;
-  } else {
+  if (!detector.ending) {
     marks.onsets = onsets_of_lines(result.output);
+    return;
   }
+  if (!fs::exists(file)) file += *detector.ending;
+  if (!fs::exists(file)) throw InvalidArgument("the program has not written {out}" + *detector.ending);
+  std::vector<std::string> says;
+  marks.onsets = read_marks(file, says);
+}
+
+double duration_of(const fs::path& sound) {
+  const audio::AudioFormat format = audio::AudioReader(sound).format();
+  return static_cast<double>(format.n_frames) / format.rate_hz;
 }
 
 /// @throws InvalidArgument where a time is not within the recording
@@ -169,13 +184,30 @@ loop::TrueTimes read_times(const fs::path& path, std::vector<std::string>& says)
   return times;
 }
 
+Onsets read_marks(const fs::path& path, std::vector<std::string>& says) {
+  const std::string text = whole_content(readable(path));
+  std::vector<std::vector<double>> lines;
+  for (const std::string_view line : lines_of_times(text)) lines.push_back(numbers_of(line));
+  const auto is_time = [](const auto& line) { return line.size() == 1 || line.size() == 2; };
+  const auto is_label = [](const auto& line) { return line.size() == 2 && line[1] >= line[0]; };  // from begin to end
+  if (std::all_of(lines.begin(), lines.end(), is_time) && !std::all_of(lines.begin(), lines.end(), is_label))
+    return onsets_of_lines(text);
+  return read_times(path, says).onsets;
+}
+
 Detector detector_of(const std::string& text, bool shell) {
   Detector detector;
   detector.name = text;
   if (text == kBuiltin) return detector;
   if (text.find("{wav}") == std::string::npos)
     throw InvalidArgument("--detector " + printable(text) + ": where in it is the recording? Write {wav} there");
-  detector.writes_file = text.find("{out}") != std::string::npos;
+  constexpr std::string_view kOut = "{out}";
+  if (const std::size_t at = text.rfind(kOut); at != std::string::npos) {
+    const auto begin = text.begin() + static_cast<std::ptrdiff_t>(at + kOut.size());
+    detector.ending = std::string(begin, std::find_if_not(begin, text.end(), [](unsigned char c) {
+                                    return c == '.' || c == '_' || c == '-' || std::isalnum(c) != 0;
+                                  }));
+  }
   detector.has_shell = shell;
   detector.arguments = shell ? std::vector<std::string>{"sh", "-c", text} : words_of(text);
   const std::string name = detector.arguments.front();
@@ -204,23 +236,23 @@ loop::DetectorScore score_of(const loop::TrueTimes& truth, Onsets marked, double
 }
 
 Marks marks_of(const Detector& detector, const Case& c, const loop::TrueTimes& truth, const ValidateOptions& options,
-               const fs::path& file) {
+               const fs::path& folder) {
   Marks marks;
   double duration_s = 0.0;
+  const ScratchFolder scratch(folder);
   try {
-    const audio::AudioFormat format = audio::AudioReader(c.sound).format();
-    duration_s = static_cast<double>(format.n_frames) / format.rate_hz;
+    duration_s = duration_of(c.sound);
     if (detector.name == kBuiltin)
       detect_by_builtin(c.sound, marks);
     else
-      detect_by_program(detector, options, c.sound, file, marks);
+      detect_by_program(detector, options, c.sound, scratch.path(), marks);
     put_in_order(marks.onsets, duration_s);
   } catch (const Interrupted&) {
     throw;
   } catch (const Error& error) {
     marks.onsets.clear();
-    marks.failure = error.what();
-    marks.processor_s = duration_s = 0.0;  // it has neither speed nor silence
+    marks.failure = replaced(error.what(), scratch.path().string() + "/", "");  // the same in every run
+    marks.processor_s = duration_s = 0.0;                                       // it has neither speed nor silence
   }
   marks.score = score_of(truth, marks.onsets, duration_s, marks.processor_s, options.annotated_only);
   return marks;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,12 +17,15 @@ namespace bouncelab::stages {
 /// @param says  a line where it is a table of something else, of how it was read
 loop::TrueTimes read_times(const std::filesystem::path& path, std::vector<std::string>& says);
 
+/// Times that were marked: as true ones, and with a standard error where a second number follows on a line.
+Onsets read_marks(const std::filesystem::path& path, std::vector<std::string>& says);
+
 /// A detector as it is named by the user, ready to run.
 struct Detector {
   std::string name;
   std::filesystem::path program;
   std::vector<std::string> arguments;  ///< with {wav} and {out}
-  bool writes_file = false;            ///< in place of its standard output
+  std::optional<std::string> ending;   ///< of the word with {out}, ".csv" of {out}.csv; absent: it writes no file
   bool has_shell = false;
 };
 /// @throws InvalidArgument where it cannot be run
@@ -37,8 +41,8 @@ struct Marks {
 /// @param annotated_only  marks before the first and after the last true time do not count
 loop::DetectorScore score_of(const loop::TrueTimes& truth, Onsets marked, double duration_s, double processor_s,
                              bool annotated_only);
-/// @param file  {out} of its command
+/// @param folder  absolute, for what is not kept: a detector gets a copy of the recording, since it may overwrite it
 Marks marks_of(const Detector& detector, const Case& c, const loop::TrueTimes& truth, const ValidateOptions& options,
-               const std::filesystem::path& file);
+               const std::filesystem::path& folder);
 
 }  // namespace bouncelab::stages
