@@ -158,6 +158,10 @@ TEST_F(ValidateCommand, FindsTheTruthOfARecordingAndNothingElse) {
   write("r/a.txt", "");  // labels of silence
   Json found = result_of("--recordings r/a.wav --truth r --detector builtin --out o --force");
   EXPECT_GT(found["detectors"][0]["all"]["invented_per_hour"], 0.0);
+  for (const char* beyond : {"1\n1000\n", "1\n-2\n"}) {
+    write("r/a.txt", beyond);
+    expect_one_line_error(run(command), 3, {"a.txt: row 2: ", "not within r/a.wav", "give seconds from its begin"});
+  }
   write("r/a.csv", "t_s\n1\n");
   expect_one_line_error(run(command), 3, {"may both be the truth"});
 }

@@ -106,6 +106,7 @@ Outcome run_validate(const ValidateOptions& options, const Run& run) {
   const auto read_truths = [&] {
     for (const Case& c : cases) {
       truths.push_back(read_times(c.truth, says));
+      if (!is_synthesized) check_within(c, truths.back());
       if (options.offset_only) truths.back().v_mps.clear();
     }
   };

@@ -195,6 +195,20 @@ Onsets read_marks(const fs::path& path, std::vector<std::string>& says) {
   return read_times(path, says).onsets;
 }
 
+void check_within(const Case& c, const loop::TrueTimes& truth) {
+  double duration_s = 0.0;
+  try {
+    duration_s = duration_of(c.sound);
+  } catch (const FileError&) {
+    return;
+  }
+  for (std::size_t k = 0; k < truth.onsets.size(); ++k)
+    if (const double t_s = truth.onsets[k].t_s; t_s < 0.0 || t_s > duration_s)
+      throw FileError(c.truth.string(), fmt::format("row {}: {:g} s is not within {}, of {:g} s; give seconds from its "
+                                                    "begin, of this recording",
+                                                    k + 1, t_s, printable(c.sound.string()), duration_s));
+}
+
 Detector detector_of(const std::string& text, bool shell) {
   Detector detector;
   detector.name = text;

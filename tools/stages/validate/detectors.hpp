@@ -20,6 +20,9 @@ loop::TrueTimes read_times(const std::filesystem::path& path, std::vector<std::s
 /// Times that were marked: as true ones, and with a standard error where a second number follows on a line.
 Onsets read_marks(const std::filesystem::path& path, std::vector<std::string>& says);
 
+/// @throws FileError where a true time is not within the recording; one that cannot be read is left to the detectors
+void check_within(const Case& c, const loop::TrueTimes& truth);
+
 /// A detector as it is named by the user, ready to run.
 struct Detector {
   std::string name;
