@@ -72,3 +72,14 @@ def few_bounces(rng, n_impacts, snr_db, soft=False):
     sound = noisy(rng, sound, rate_hz, last_peak * 10**(-snr_db / 20))
     sound *= min(1, 0.9 / np.max(np.abs(sound)))
     return Scene(rate_hz, sound, t_s, np.zeros(len(t_s), int))
+
+
+def two_microphones(rng, rate_hz, soft, strength):
+    """Two channels; the ball bounces on one spot, so that the delay between them is a constant. True times are those of the impacts."""
+    t_s, v, voice = drop(rng, rate_hz, rng.uniform(0.75, 0.92), int(rng.integers(8, 16)), soft, shortest_s=0.05)
+    out = []
+    for gain in (0.5, rng.uniform(0.1, 0.5)):
+        made, last = sounding(rng, t_s + rng.uniform(0, 3e-3), v, voice, t_s[-1] + 0.8, room=waves.room(rng, rate_hz, strength))
+        out.append(gain * noisy(rng, made, rate_hz, last * 10**-rng.uniform(0.5, 1.5)))
+    both = np.stack(out, 1)
+    return Scene(rate_hz, both / max(1.0, 1.1 * np.max(np.abs(both))), t_s, np.zeros(len(t_s), int))
