@@ -168,7 +168,7 @@ def scores(options, command, folder, annotated):
     """Rows of scores.csv of the recordings that are used."""
     with tempfile.TemporaryDirectory() as out:
         subprocess.run([os.path.join(BUILD, "tools/bouncelab/bouncelab"), "validate", "--recordings", folder, "--truth", folder, "--detector",
-                        " ".join(command + ["{wav}"]), "--out", out, "--force", "--quiet"], check=True)
+                        " ".join(command + ["{wav}"]), "--out", out, "--force", "--quiet", *(["--annotated-only"] if annotated else [])], check=True)
         with open(os.path.join(out, "scores.csv"), newline="") as file:
             rows = [row for row in csv.DictReader(file) if is_used(row["recording"], options.part)]
     for row in rows:
