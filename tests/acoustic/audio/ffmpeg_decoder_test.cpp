@@ -110,6 +110,21 @@ TEST_F(Ffmpeg, WhatHoldsNoSoundIsNamedInOneLine) {
   EXPECT_THAT(message_of(cut), HasSubstr("ffmpeg"));
 }
 
+TEST_F(Ffmpeg, AListThatNamesOtherFilesOpensNone) {
+  const std::string other = movie(48000).string();
+  const auto refused = [&](const std::string& name, const std::string& list) {
+    std::ofstream(folder_ / name) << list << std::string(3, '\0');  // no text, which would be a table of samples
+    EXPECT_THAT(message_of(folder_ / name), HasSubstr("is a list of other files")) << name;
+  };
+  refused("hls.mp4", "#EXTM3U\n#EXT-X-TARGETDURATION:1\n#EXTINF:1,\nfile://" + other + "\n#EXT-X-ENDLIST\n");
+  refused("concat.mov", "ffconcat version 1.0\nfile '" + other + "'\n");
+  refused("dash.m4a",
+          "<?xml version=\"1.0\"?>\n<MPD xmlns=\"urn:mpeg:dash:schema:mpd:2011\" type=\"static\" "
+          "profiles=\"urn:mpeg:dash:profile:isoff-on-demand:2011\"><Period><AdaptationSet mimeType=\"audio/mp4\">"
+          "<Representation id=\"0\"><BaseURL>file://" +
+              other + "</BaseURL></Representation></AdaptationSet></Period></MPD>\n");
+}
+
 TEST_F(Ffmpeg, WhereItIsMissingTheMessageSaysHowToInstallIt) {
   const auto path = movie(100);
   const std::string before = std::getenv("PATH");

@@ -91,6 +91,15 @@ std::filesystem::path installed(const std::string& program, const std::string& n
                             "macOS: brew install ffmpeg)");
 }
 
+/// Containers and codings that hold their sound themselves. Others (HLS, DASH, lists of files, scores) would have
+/// ffmpeg open what they name.
+constexpr const char* kContainers =
+    "3dostr,aac,ac3,aiff,amr,amrnb,amrwb,ape,aptx,asf,au,avi,caf,codec2,dsf,dts,dtshd,dv,eac3,flac,flv,gsm,gxf,iff,"
+    "ilbc,"
+    "ircam,loas,matroska,mlp,mov,mp3,mpc,mpc8,mpeg,mpegts,mxf,nistsphere,nut,ogg,oma,qcp,rm,rso,sds,shn,sln,sox,tak,"
+    "tta,"
+    "truehd,voc,w64,wav,wsd,wtv,wv";
+
 /// One recording on its way through ffmpeg.
 struct Decoding {
   std::filesystem::path ffmpeg, ffprobe;
@@ -101,6 +110,10 @@ struct Decoding {
   std::int64_t n_bytes;
   ChildLimits limits;
 
+  /// Arguments by which a program opens the recording, and no other file.
+  std::vector<std::string> opening() const {
+    return {"-v", "error", "-protocol_whitelist", "file,pipe", "-format_whitelist", kContainers, "-i", input};
+  }
   std::string map() const { return "0:a:" + std::to_string(track); }
   [[noreturn]] void refuse(const std::string& complaints) const {
     throw FileError(name,
@@ -114,14 +127,20 @@ constexpr std::size_t kMostOfAnswer_bytes = std::size_t{1} << 28;
 constexpr const char* kShown =  // of the file
     "packet=stream_index,pts_time,duration_time:stream=index,codec_name,codec_long_name:format=format_long_name";
 
+std::vector<std::string> joined(std::vector<std::string> words, const std::vector<std::string>& more) {
+  words.insert(words.end(), more.begin(), more.end());
+  return words;
+}
+
 /// What the file is. @param reason  why libsndfile does not read it
 /// @return the packets of the track
 std::vector<StampedBlock> ask_what_it_is(const Decoding& d, const std::string& reason, SoundInfo& info) {
-  const ProgramResult answer =
-      run_program(d.ffprobe,
-                  {"-v", "error", "-protocol_whitelist", "file", "-select_streams", "a", "-show_entries", kShown, "-of",
-                   "default=noprint_wrappers=1", "-i", d.input},
-                  d.name, d.descriptor, d.limits, kMostOfAnswer_bytes);
+  const ProgramResult answer = run_program(
+      d.ffprobe,
+      joined(d.opening(), {"-select_streams", "a", "-show_entries", kShown, "-of", "default=noprint_wrappers=1"}),
+      d.name, d.descriptor, d.limits, kMostOfAnswer_bytes);
+  if (answer.complaints.find("not on whitelist") != std::string::npos)
+    throw FileError(d.name, "is a list of other files, or a format in which no sound is recorded; name the recording");
   if (!answer.ended_well)
     throw FileError(d.name, "not readable as audio (libsndfile: " + reason + "; ffmpeg: " +
                                 first_line_of(answer.complaints, d.input) + "); record or copy it again");
@@ -168,10 +187,9 @@ std::vector<StampedBlock> of_equal_length(std::vector<StampedBlock> packets) {
 
 /// The blocks of samples as they are decoded, with their time stamps.
 std::vector<StampedBlock> decoded_blocks(const Decoding& d) {
-  const ProgramResult answer = run_program(d.ffmpeg,
-                                           {"-nostdin", "-v", "error", "-protocol_whitelist", "file,pipe", "-i",
-                                            d.input, "-map", d.map(), "-c:a", "pcm_f32le", "-f", "framecrc", "pipe:1"},
-                                           d.name, d.descriptor, d.limits, kMostOfAnswer_bytes);
+  const ProgramResult answer = run_program(
+      d.ffmpeg, joined(d.opening(), {"-nostdin", "-map", d.map(), "-c:a", "pcm_f32le", "-f", "framecrc", "pipe:1"}),
+      d.name, d.descriptor, d.limits, kMostOfAnswer_bytes);
   std::vector<StampedBlock> blocks;
   std::istringstream lines(answer.output);
   double unit_s = 0.0;
@@ -272,8 +290,8 @@ SoundInfo decode_by_ffmpeg(const std::filesystem::path& path, const ReadableFile
   if (!gaps_between(of_equal_length(ask_what_it_is(d, reason, info))).empty()) gaps = gaps_between(decoded_blocks(d));
   if (track >= info.n_tracks) return info;
   ChildProcess running(d.ffmpeg,
-                       {"-nostdin", "-v", "error", "-protocol_whitelist", "file,pipe", "-i", d.input, "-map", d.map(),
-                        "-fflags", "+bitexact", "-c:a", "pcm_f32le", "-f", "wav", "pipe:1"},
+                       joined(d.opening(), {"-nostdin", "-map", d.map(), "-fflags", "+bitexact", "-c:a", "pcm_f32le",
+                                            "-f", "wav", "pipe:1"}),
                        d.name, d.descriptor, d.limits);
   info.n_frames = take_sound(d, running, gaps, info, samples);
   const bool ended_well = running.ended_well();
