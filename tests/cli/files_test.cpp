@@ -51,9 +51,32 @@ TEST_F(Files, NoOutputReplacesAnInput) {
   expect_kept("restitution x.csv.meta.json --out x.csv", {"x.csv.meta.json", "is the input"});
   write("options.toml", "drops = 1\n");
   expect_kept("simulate --config options.toml --out options.toml --force", {"options.toml", "is the input"});
+  write("list.txt", "rec.wav\n");
+  expect_kept("detect --list list.txt --out list.txt --force", {"list.txt", "is the input"});
+  expect_kept("detect --list list.txt --out o.csv --labels list.txt --force", {"list.txt", "is the input"});
+  write("law.csv", "v_mps,eps\n0.01,0.9\n5,0.8\n");
+  expect_kept("simulate --law table:law.csv --out law.csv --force", {"law.csv", "is the input"});
+  ASSERT_EQ(run("simulate --drops 1 --impacts 9 --asperities 99 --out sim.csv").exit_code, 0);
+  expect_kept("restitution sim.csv --out sim.csv.meta.json --force", {"sim.csv.meta.json", "is the input"});
   fs::create_directory(folder_ / "out");
   fs::create_hard_link(folder_ / "rec.wav", folder_ / "out" / "wave.json");
   expect_one_line_error(run("analyze rec.wav --out out --force"), 2, {"out/wave.json", "is the input"});
+}
+
+TEST_F(Files, AProvenanceReplacesNothingOfTheUsersAndFollowsNoLink) {
+  write("s.csv.meta.json", "{\"mine\": 1}");
+  expect_one_line_error(run("restitution on.csv --out s.csv"), 3, {"s.csv.meta.json", "exists already"});
+  EXPECT_EQ(content("s.csv.meta.json"), "{\"mine\": 1}");
+  write("victim", "whole");
+  fs::create_symlink("victim", folder_ / "r.csv.meta.json");
+  for (const char* force : {"", " --force"})
+    expect_one_line_error(run("restitution on.csv --out r.csv" + std::string(force)), 3,
+                          {"r.csv.meta.json", "is a link"});
+  EXPECT_EQ(content("victim"), "whole");
+  // one of ours, of a table that is gone, is replaced
+  ASSERT_EQ(run("restitution on.csv --out own.csv").exit_code, 0);
+  fs::remove(folder_ / "own.csv");
+  EXPECT_EQ(run("restitution on.csv --out own.csv").exit_code, 0);
 }
 
 TEST_F(Files, TheRecordingOfATableIsAnInputOfItsMarksToo) {

@@ -108,14 +108,11 @@ int print(const std::string& text, int exit_code) {
   return kFileError;
 }
 
-/// Options whose values are files that are written.
-const std::vector<std::string> kOutputOptions{"out", "labels", "truth", "write-surface", "table", "to"};
-
 bool is_taken_by_an_output(const Parameters& parameters) {
   return std::any_of(parameters.begin(), parameters.end(), [](const Parameter& p) {
-    return std::find(kOutputOptions.begin(), kOutputOptions.end(), p.name) != kOutputOptions.end() &&
-           std::any_of(p.values.begin(), p.values.end(),
-                       [](const std::string& value) { return !value.empty() && is_standard_output(value); });
+    return stages::names_outputs(p) && std::any_of(p.values.begin(), p.values.end(), [](const std::string& value) {
+             return !value.empty() && is_standard_output(value);
+           });
   });
 }
 

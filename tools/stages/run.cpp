@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "stages/run.hpp"
 
+#include <algorithm>
+#include <array>
+
 namespace bouncelab::stages {
 
 const Description& members_of(const CommonOptions*) {
@@ -28,6 +31,11 @@ Parameters parameters_of(const std::vector<Section>& sections, const Given& give
         {name, typed != given.end() ? typed->second : std::vector{default_text(*option.member, option.object)}});
   }
   return parameters;
+}
+
+bool names_outputs(const Parameter& parameter) {
+  constexpr std::array kNames{"out", "labels", "truth", "write-surface", "table", "to"};
+  return std::find(kNames.begin(), kNames.end(), parameter.name) != kNames.end();
 }
 
 void set_parameter(Parameters& parameters, const std::string& name, const std::string& value) {

@@ -35,6 +35,8 @@ struct Parameter {
   std::vector<std::string> values;
 };
 using Parameters = std::vector<Parameter>;
+/// Whether the values of an option are files that are written.
+bool names_outputs(const Parameter& parameter);
 
 /// The texts of each option that was given, on the command line or in the configuration file, by its name.
 using Given = std::map<std::string, std::vector<std::string>>;

@@ -103,6 +103,14 @@ void keep(const Content& content, const std::string& sum) {
   known_sums().sums[content] = sum;
 }
 
+/// Discarded where it is none, or longer than a provenance is.
+Json json_in(const fs::path& path) {
+  FileBytes bytes(path);
+  constexpr std::int64_t kMost = 1 << 20;
+  const auto content = bytes.at(0, std::min(kMost, bytes.size()));
+  return Json::parse(content.begin(), content.end(), nullptr, false);
+}
+
 }  // namespace
 
 std::string sha256_of_file(const fs::path& path) {
@@ -139,13 +147,15 @@ fs::path provenance_path(const fs::path& output) {
   return output.parent_path() / (name + ending);
 }
 
+bool is_provenance(const fs::path& path) {
+  const Json meta = json_in(path);
+  return meta.is_object() && meta.contains("command_line") && meta.contains("commit");
+}
+
 std::optional<std::string> parameter_in_provenance(const fs::path& file, const std::string& option) {
   const fs::path path = provenance_path(file);
   if (file.empty() || is_stream(file) || !fs::is_regular_file(path)) return std::nullopt;
-  FileBytes bytes(path);
-  constexpr std::int64_t kMost = 1 << 20;  // of what write_provenance writes
-  const auto content = bytes.at(0, std::min(kMost, bytes.size()));
-  const Json meta = Json::parse(content.begin(), content.end(), nullptr, false);
+  const Json meta = json_in(path);
   if (meta.is_discarded()) throw FileError(path.string(), "is not JSON; delete it, or name the ball (--ball, --plate)");
   if (!meta.is_object() || !meta.contains("parameters") || !meta["parameters"].is_object()) return std::nullopt;
   const auto found = meta["parameters"].find(option);

@@ -24,6 +24,9 @@ void compute_sha256_ahead(const std::vector<std::filesystem::path>& files, int n
 /// digits of the SHA-256 of the whole.
 std::filesystem::path provenance_path(const std::filesystem::path& output);
 
+/// Whether a file is a provenance that this program wrote.
+bool is_provenance(const std::filesystem::path& path);
+
 /// The value of an option of the command that wrote a file; absent where no provenance lies beside the file, or the
 /// command has no such option. @throws FileError where the provenance is none
 std::optional<std::string> parameter_in_provenance(const std::filesystem::path& file, const std::string& option);

@@ -122,14 +122,45 @@ OutputFolder::~OutputFolder() {
   if (created_) fs::remove(folder_, not_empty);
 }
 
+namespace {
+
+/// Files that options name to be read, by themselves or behind a word (table:law.csv).
+std::vector<fs::path> files_named_by_options(const Run& run) {
+  std::vector<fs::path> files;
+  std::error_code none;
+  for (const Parameter& parameter : run.parameters) {
+    if (names_outputs(parameter)) continue;
+    for (const std::string& value : parameter.values)
+      for (const fs::path file : {value, value.substr(value.find(':') + 1)})
+        if (fs::is_regular_file(file, none)) files.push_back(file);
+  }
+  return files;
+}
+
+/// A provenance is written where there is none or one of ours, and not to where a link leads.
+void check_provenance_path(const fs::path& path, bool force) {
+  if (fs::is_symlink(path))
+    throw FileError(path.string(), "is a link, and the provenance of an output would be written there; remove it");
+  if (!force && fs::is_regular_file(path) && !is_provenance(path)) throw FileExists(path.string());
+}
+
+}  // namespace
+
 void check_files(const Run& run, std::vector<fs::path> inputs, const std::vector<fs::path>& outputs,
                  std::vector<fs::path> beside) {
   std::for_each(inputs.begin(), inputs.end(), refuse_hdf5);
   std::for_each(outputs.begin(), outputs.end(), refuse_hdf5);
-  inputs.emplace_back(run.common.config);
+  std::vector<fs::path> also_read = files_named_by_options(run);
+  for (const fs::path& input : inputs)
+    if (!input.empty() && !is_stream(input) && fs::exists(provenance_path(input)))
+      also_read.push_back(provenance_path(input));
+  inputs.insert(inputs.end(), also_read.begin(), also_read.end());
+  std::vector<fs::path> provenances;
   for (const fs::path& output : outputs)
-    if (!output.empty() && !is_stream(output)) beside.push_back(provenance_path(output));
+    if (!output.empty() && !is_stream(output)) provenances.push_back(provenance_path(output));
+  beside.insert(beside.end(), provenances.begin(), provenances.end());
   bouncelab::check_files(inputs, outputs, beside, run.common.force);
+  for (const fs::path& path : provenances) check_provenance_path(path, run.common.force);
 }
 
 }  // namespace bouncelab::stages
