@@ -113,6 +113,17 @@ TEST_F(ConfigFile, WrongTomlIsNamedByLine) {
   expect_refused("[&", 3, {"c.toml", "line 1"});
   expect_refused("height = " + std::string(5000, '['), 3, {"c.toml", "line 1"});
   expect_refused(std::string("drops = 1\n\0", 11), 3, {"c.toml"});
+  std::string deep = "a";  // a table in a table, 100,000 times, of which the library runs out of stack
+  for (int k = 0; k < 100'000; ++k) deep += ".a";
+  expect_refused("drops = 1\n[" + deep + "]\n", 3, {"c.toml", "line 2"});
+  expect_refused(deep + " = 1\n", 3, {"c.toml", "line 1"});
+}
+
+TEST_F(ConfigFile, ThatAsksForJsonHasFailuresInItToo) {
+  write("json.toml", "json = true\n");
+  const Result result = run("restitution nothing.csv --config json.toml --out s.csv");
+  EXPECT_EQ(result.exit_code, 3);
+  EXPECT_THAT(result.out, ::testing::HasSubstr("\"exit_code\": 3"));
 }
 
 TEST_F(ConfigFile, ASweepOfTooManyCombinationsIsRefusedBeforeAnythingIsDone) {

@@ -154,6 +154,8 @@ TEST(ForeignTable, OfTimesAndIntervalsIsWhatItsWriterMeant) {
        1, 12, 2e-3, "times in s"},
       {"milliseconds by title", "t_ms\n" + lines(t_s, [](auto, double t) { return formatted("%.3f", 1e3 * t); }), 1, 12,
        2e-5, "times in ms"},
+      {"minutes", "Time (min)\n" + lines(t_s, [](auto, double t) { return formatted("%.9f", t / 60.0); }), 1, 12, 2e-6,
+       "times in min"},
       {"milliseconds by size", lines(t_s, [](auto, double t) { return formatted("%.2f", 1e3 * t); }), 1, 12, 2e-4,
        "times in ms"},
       {"intervals in milliseconds", lines(T_s, [](auto, double T) { return formatted("%.1f", 1e3 * T); }), 1, 12, 2e-3,

@@ -74,8 +74,9 @@ TEST(RestitutionLaw, IsReadFromText) {
   EXPECT_EQ(eps("series:A10=0.1"), restitution(SeriesLaw{{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0.1}}, v));
   EXPECT_EQ(eps("viscoelastic:0.01"), restitution(ViscoelasticLaw{0.01}, v));
   EXPECT_EQ(eps("constant:0.9"), 0.9);
-  for (const char* text : {"", "series:", "series:A2", "series:A3=1", "series:A11=1", "series:A2=1,", "constant:x",
-                           "constant:0", "viscoelastic:-1", "table", "newton:0.9"})
+  for (const char* text :
+       {"", "series:", "series:A2", "series:A3=1", "series:A11=1", "series:A2=1,", "series:A2=.1,A4=.1,A2=.2",
+        "constant:x", "constant:0", "viscoelastic:-1", "table", "newton:0.9"})
     EXPECT_THROW(restitution_law_from_text(text), InvalidArgument) << text;
   EXPECT_THROW(restitution_law_from_text("table:no-such-file.csv"), FileError);
 }

@@ -144,7 +144,9 @@ void keep_standard_descriptors() {
 }
 
 /// The command with what is typed and what its configuration file sets.
-int run_command(const Command& command, const std::vector<std::string>& typed, const std::vector<std::string>& line) {
+/// @param json  whether failures are told as JSON, once it is known
+int run_command(const Command& command, const std::vector<std::string>& typed, const std::vector<std::string>& line,
+                bool& json) {
   Run call;
   call.command_line = line;
   const std::vector<Section> sections = all_sections(command, call.common);
@@ -159,6 +161,7 @@ int run_command(const Command& command, const std::vector<std::string>& typed, c
       if (message.rfind("--" + option.name + ":", 0) == 0) message.insert(0, option.place + ": ");
     throw WrongUsage(name + ": " + printable(message, kMessage_characters - 100) + "; see " + name + " --help");
   }
+  json = call.common.json;
   call.parameters = parameters_of(sections, call.given);
   for (const ConfigOption& option : full.from_file)
     if (option.is_axis) call.sweep.push_back({option.name, option.values});
@@ -171,7 +174,7 @@ int run_command(const Command& command, const std::vector<std::string>& typed, c
   return report(outcome, call.common, standard_output_is_taken);
 }
 
-int run(const std::vector<std::string>& line) {
+int run(const std::vector<std::string>& line, bool& json) {
   const std::vector<std::string> typed = in_full({line.begin() + 1, line.end()});
   const auto end = std::find(typed.begin(), typed.end(), "--");
   const auto asks_for = [&](const char* option) { return std::find(typed.begin(), end, option) != end; };
@@ -179,7 +182,7 @@ int run(const std::vector<std::string>& line) {
     const Command command = command_named(all_commands(), typed.front())->make();
     if (asks_for("--help") || asks_for("-h")) return print(help_of(command, false), kDone);
     if (asks_for("--help-all")) return print(help_of(command, true), kDone);
-    return run_command(command, typed, line);
+    return run_command(command, typed, line, json);
   }
   if (asks_for("--help") || asks_for("-h")) return print(help_of_all(), kDone);
   if (typed.front() == "--version") return print(std::string(version()) + " (" + std::string(commit()) + ")\n", kDone);
@@ -189,38 +192,38 @@ int run(const std::vector<std::string>& line) {
 }
 
 /// With --json whoever reads standard output learns of the failure there too.
-int fail(const std::string& message, int exit_code, const std::vector<std::string>& line) {
+int fail(const std::string& message, int exit_code, bool json) {
   say(message);
-  const bool json = std::find(line.begin(), std::find(line.begin(), line.end(), "--"), "--json") != line.end();
   return json ? print(json_text(Object{{"error", message}, {"exit_code", value_of(exit_code)}}, 2) + "\n", exit_code)
               : exit_code;
 }
 
 /// @return the exit code, after one line of what went wrong
 int run_and_report(const std::vector<std::string>& line) {
+  bool json = std::find(line.begin(), std::find(line.begin(), line.end(), "--"), "--json") != line.end();
   try {
-    return run(line);
+    return run(line, json);
   } catch (const Interrupted& error) {
-    return fail("bouncelab: " + std::string(error.what()), kInterrupted, line);
+    return fail("bouncelab: " + std::string(error.what()), kInterrupted, json);
   } catch (const BrokenPipe&) {
     end_by_broken_pipe();
   } catch (const WrongUsage& error) {
-    return fail(error.what(), kWrongUsage, line);
+    return fail(error.what(), kWrongUsage, json);
   } catch (const FileExists& error) {
-    return fail("bouncelab: " + std::string(error.what()) + "; --force replaces it", kFileError, line);
+    return fail("bouncelab: " + std::string(error.what()) + "; --force replaces it", kFileError, json);
   } catch (const FileError& error) {
-    return fail("bouncelab: " + std::string(error.what()), kFileError, line);
+    return fail("bouncelab: " + std::string(error.what()), kFileError, json);
   } catch (const InvalidArgument& error) {
-    return fail("bouncelab: " + std::string(error.what()), kWrongUsage, line);
+    return fail("bouncelab: " + std::string(error.what()), kWrongUsage, json);
   } catch (const std::filesystem::filesystem_error& error) {
-    return fail("bouncelab: " + error.path1().string() + ": " + error.code().message(), kFileError, line);
+    return fail("bouncelab: " + error.path1().string() + ": " + error.code().message(), kFileError, json);
   } catch (const std::bad_alloc&) {
     release_reserve();
-    return fail("bouncelab: out of memory; ask for less at once", kFileError, line);
+    return fail("bouncelab: out of memory; ask for less at once", kFileError, json);
   } catch (const std::exception& error) {
     return fail("bouncelab: unexpected error: " + printable(error.what(), kMessage_characters - 100) +
                     "; please report it with the command line",
-                kFileError, line);
+                kFileError, json);
   }
 }
 

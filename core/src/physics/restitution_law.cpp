@@ -154,6 +154,8 @@ SeriesLaw series(std::string_view terms, std::string_view text) {
     if (i >= law.a.size() || kViscoelasticC[i] == 0.0)
       throw InvalidArgument("restitution law '" + std::string(text) + "': A" + std::to_string(i) +
                             " has no effect or no known C_i; there are A2 and A4 to A10");
+    if (law.a[i] != 0.0)
+      throw InvalidArgument("restitution law '" + std::string(text) + "': A" + std::to_string(i) + " stands twice");
     law.a[i] = number<double>(term.substr(equals + 1), text);
     if (term.size() == terms.size()) return law;
     terms.remove_prefix(term.size() + 1);

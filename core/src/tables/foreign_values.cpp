@@ -243,7 +243,7 @@ double unit_of(const Sequence& sequence, bool are_intervals, const ForeignOption
                std::string& in_words) {
   if (sequence.values.front().is_clock) return in_words = "clock times", 1.0;
   const auto said = [&](double unit_s) {
-    in_words = unit_s == 1.0 ? "s" : unit_s == 1e-3 ? "ms" : unit_s == 1e-6 ? "us" : "ns";
+    in_words = unit_s == 60.0 ? "min" : unit_s == 1.0 ? "s" : unit_s == 1e-3 ? "ms" : unit_s == 1e-6 ? "us" : "ns";
     return unit_s;
   };
   if (options.unit != "auto") return said(*time_unit_s(options.unit));

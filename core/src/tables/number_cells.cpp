@@ -5,6 +5,7 @@
 #include <array>
 #include <cctype>
 #include <cmath>
+#include <initializer_list>
 #include <utility>
 
 #include "bouncelab/core/elementary.hpp"
@@ -140,6 +141,19 @@ bool is_ambiguous(std::string_view line, const CellFormat& format) {
   return cells.size() == 2 && is_digits(without_sign(cells[0])) && is_digits(cells[1]);
 }
 
+namespace {
+
+bool holds_any(const std::vector<std::string>& words, std::initializer_list<std::string_view> of) {
+  return std::any_of(words.begin(), words.end(),
+                     [&](const std::string& word) { return std::find(of.begin(), of.end(), word) != of.end(); });
+}
+
+bool says_time(const std::vector<std::string>& words) {
+  return holds_any(words, {"time", "t", "zeit", "temps", "tiempo", "tempo", "tid"});
+}
+
+}  // namespace
+
 std::optional<double> time_unit_s(std::string_view title) {
   constexpr std::array<std::pair<std::string_view, double>, 19> kUnits{{{"s", 1.0},
                                                                         {"sec", 1.0},
@@ -160,19 +174,15 @@ std::optional<double> time_unit_s(std::string_view title) {
                                                                         {"microseconds", 1e-6},
                                                                         {"ns", 1e-9},
                                                                         {"nanoseconds", 1e-9}}};
-  for (const std::string& word : words_of(title))
+  const std::vector<std::string> words = words_of(title);
+  for (const std::string& word : words)
     for (const auto& [name, unit_s] : kUnits)
       if (word == name) return unit_s;
+  // by itself "min" is the least of something
+  if (says_time(words) && holds_any(words, {"min", "minute", "minutes", "minuten", "minutos"})) return 60.0;
   return std::nullopt;
 }
 
-bool is_time_title(std::string_view title) {
-  constexpr std::array<std::string_view, 7> kWords{"time", "t", "zeit", "temps", "tiempo", "tempo", "tid"};
-  const std::vector<std::string> words = words_of(title);
-  const bool says_time = std::any_of(words.begin(), words.end(), [&](const std::string& word) {
-    return std::find(kWords.begin(), kWords.end(), word) != kWords.end();
-  });
-  return says_time || time_unit_s(title).has_value();
-}
+bool is_time_title(std::string_view title) { return says_time(words_of(title)) || time_unit_s(title).has_value(); }
 
 }  // namespace bouncelab

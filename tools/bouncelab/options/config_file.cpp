@@ -231,10 +231,22 @@ std::optional<std::string> typed_value(const std::vector<std::string>& typed, co
   return value;
 }
 
+/// toml++ nests a table for each part of a.b.c, and runs out of stack where there are a hundred thousand.
+void refuse_deep_keys(std::string_view text, const std::string& file) {
+  constexpr std::ptrdiff_t kMostDots = 100;  // a section and a key have one
+  for (std::size_t line = 1; !text.empty(); ++line) {
+    const std::string_view whole = text.substr(0, text.find('\n')), key = whole.substr(0, whole.find_first_of("=#\"'"));
+    if (std::count(key.begin(), key.end(), '.') > kMostDots)
+      throw FileError(file, fmt::format("line {}: is no key of an option; write KEY = VALUE", line));
+    text.remove_prefix(std::min(text.size(), whole.size() + 1));
+  }
+}
+
 }  // namespace
 
 std::vector<ConfigOption> config_options(std::string_view text, const std::string& file, const Command& command,
                                          const std::vector<CommandName>& all) {
+  refuse_deep_keys(text, file);
   try {
     return ConfigReader(file, command, all).options_of(toml::parse(text, std::string_view(file)));
   } catch (const toml::parse_error& error) {
