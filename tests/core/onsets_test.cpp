@@ -97,6 +97,30 @@ TEST(Onsets, ANewDropMayStartAtAnEarlierTime) {
   EXPECT_EQ(onsets_from_table(table, "t.csv").size(), 3u);
 }
 
+TEST(DropsInTurn, AreRowsThatStandTogetherInTheirOrderAndOnce) {
+  const auto table = [](std::vector<std::string> recordings, std::vector<std::int64_t> drops,
+                        std::vector<std::int64_t> impacts) {
+    return Table{{{"recording", std::move(recordings)}, {"drop", std::move(drops)}, {"impact", std::move(impacts)}}};
+  };
+  const Table whole = table({"a", "a", "a", "b"}, {0, 0, 3, 0}, {0, 4, 0, 2});
+  EXPECT_NO_THROW(DropsInTurn().check(whole, "t.csv"));
+  for (const Table& wrong : {table({"a", "a", "a"}, {0, 1, 0}, {0, 0, 1}),     // two balls in the order of time
+                             table({"a", "b", "a"}, {0, 0, 0}, {0, 0, 1}),     // sorted by something else
+                             table({"a", "a", "a"}, {0, 0, 0}, {0, 1, 1})}) {  // a row twice
+    try {
+      DropsInTurn().check(wrong, "t.csv");
+      FAIL() << "accepted";
+    } catch (const FileError& error) {
+      EXPECT_THAT(error.what(), testing::HasSubstr("t.csv: row 3: "));
+      EXPECT_THAT(error.what(), testing::HasSubstr("sort the table"));
+    }
+  }
+  DropsInTurn in_pieces;
+  in_pieces.check(whole, "t.csv");
+  EXPECT_NO_THROW(in_pieces.check(table({"b"}, {0}, {3}), "t.csv"));
+  EXPECT_THROW(in_pieces.check(table({"a"}, {3}, {1}), "t.csv"), FileError);
+}
+
 TEST(Impacts, StatesSurviveTheRoundTrip) {
   Impacts impacts;
   impacts.rows.push_back({3, 0, 0.1, 1.2, 1.1, 1.1 / 1.2, 1.21, 0.98, 17});

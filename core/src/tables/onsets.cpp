@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "bouncelab/core/error.hpp"
+#include "bouncelab/core/text.hpp"
 
 namespace bouncelab {
 
@@ -125,6 +126,29 @@ Onsets onsets_from_table(const Table& table, const std::string& name, const Onse
     before = &onset;
   }
   return onsets;
+}
+
+void DropsInTurn::check(const Table& table, const std::string& name) {
+  const std::vector<std::int64_t>*drops = table.integers("drop"), *impacts = table.integers("impact");
+  const std::vector<std::string>* recordings = table.texts("recording");
+  for (std::size_t k = 0; drops && k < drops->size(); ++k) {
+    const Drop drop{recordings ? (*recordings)[k] : std::string(), (*drops)[k]};
+    const auto refuse = [&](const std::string& what) {
+      throw FileError(name, table.place_of(k) + ": " + what + " of drop " + std::to_string(drop.second) +
+                                (drop.first.empty() ? "" : " of '" + printable(drop.first) + "'") +
+                                "; sort the table by recording, drop and impact, and let no row stand twice");
+    };
+    if (drop != now_) {
+      if (now_) done_.insert(*std::exchange(now_, std::nullopt));
+      if (done_.contains(drop)) refuse("other rows stand before this one");
+      now_ = drop;
+      impact_.reset();
+    }
+    if (!impacts) continue;
+    if (impact_ && (*impacts)[k] <= *impact_)
+      refuse("impact " + std::to_string((*impacts)[k]) + " follows " + std::to_string(*impact_));
+    impact_ = (*impacts)[k];
+  }
 }
 
 }  // namespace bouncelab

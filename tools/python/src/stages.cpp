@@ -44,7 +44,10 @@ Impacts impacts_of(const py::dict& columns) {
 
 Onsets onsets_of(const py::dict& columns) {
   const Table table = table_of(columns, onset_columns(), "onsets");
-  return read_in_memory([&] { return onsets_from_table(table, "onsets"); });
+  return read_in_memory([&] {
+    DropsInTurn().check(table, "onsets");
+    return onsets_from_table(table, "onsets");
+  });
 }
 
 py::dict detected(std::vector<detection::Detection>& found, const std::vector<std::string>& names,
@@ -290,7 +293,10 @@ py::tuple read_columns(const std::string& path, const std::string& kind, const s
 
 RestitutionSamples samples_of(const py::dict& columns) {
   const Table table = table_of(columns, sample_columns(), "samples");
-  return read_in_memory([&] { return samples_from_table(table, "samples"); });
+  return read_in_memory([&] {
+    DropsInTurn().check(table, "samples");
+    return samples_from_table(table, "samples");
+  });
 }
 
 }  // namespace bouncelab::python

@@ -116,7 +116,9 @@ std::unique_ptr<TableReader> open_onsets(const fs::path& path, const ForeignFile
 
 Onsets read_onsets(const fs::path& path, const ForeignFileOptions& options, std::vector<std::string>& taken_for) {
   const auto reader = open_onsets(path, options, taken_for);
-  return onsets_from_table(reader->next(std::numeric_limits<std::size_t>::max()), input_name(path));
+  const Table table = reader->next(std::numeric_limits<std::size_t>::max());
+  DropsInTurn().check(table, input_name(path));
+  return onsets_from_table(table, input_name(path));
 }
 
 std::unique_ptr<TableReader> open_samples(const fs::path& path, const ForeignOptions& options,

@@ -4,8 +4,10 @@
 #include <cstdint>
 #include <initializer_list>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "bouncelab/core/table.hpp"
@@ -102,5 +104,20 @@ std::vector<ColumnSpec> onset_columns();
 /// @throws FileError naming the first row (by its line) with a number outside the range of its column, or whose time
 ///         does not increase in its drop
 Onsets onsets_from_table(const Table& table, const std::string& name, const Onset* before = nullptr);
+
+/// In tables of onsets and of samples the rows of a drop stand together, in the order of its impacts. One that was
+/// sorted otherwise, holds rows twice, or has two balls in the order of time has wrong neighbours.
+class DropsInTurn {
+ public:
+  /// @param table  a piece of the table, or all of it; without a column `drop` it says nothing
+  /// @throws FileError naming the row, with the remedy
+  void check(const Table& table, const std::string& name);
+
+ private:
+  using Drop = std::pair<std::string, std::int64_t>;  // recording and number
+  std::set<Drop> done_;
+  std::optional<Drop> now_;
+  std::optional<std::int64_t> impact_;
+};
 
 }  // namespace bouncelab
