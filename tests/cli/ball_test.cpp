@@ -4,6 +4,8 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "bouncelab/core/samples.hpp"
+#include "bouncelab/core/table.hpp"
 #include "program.hpp"
 
 namespace bouncelab::cli_test {
@@ -129,6 +131,21 @@ TEST_F(BallOption, IsSetInConfigurationFilesAlsoInSectionsOfStages) {
   write_onsets();
   write("c.toml", "ball = \"glass:16mm\"\n[simulate]\ndrops = 1\nimpacts = 3\nasperities = 1000\n");
   EXPECT_EQ(json_of("simulate --out a.csv --config c.toml").at("ball").at("name"), "glass:16mm");
+}
+
+TEST_F(BallOption, GravityOfASimulationIsThatOfItsSpeeds) {
+  // on the Moon: at 9.81 m/s2 the speeds would be six times too large
+  ASSERT_EQ(run("simulate --gravity 1.62 --height 0.1 --drops 1 --impacts 5 --asperities 99 --out moon.csv").exit_code,
+            0);
+  ASSERT_EQ(run("restitution moon.csv --out moon_s.csv").exit_code, 0);
+  for (const RestitutionSample& s :
+       samples_from_table(read_csv(folder_ / "moon_s.csv", sample_columns()), "moon_s.csv")) {
+    EXPECT_EQ(s.conditions.gravity_mps2, 1.62);
+    EXPECT_LT(s.v_mps, 0.57);  // sqrt(2 g h)
+  }
+  ASSERT_EQ(run("restitution moon.csv --gravity 9.81 --out told.csv").exit_code, 0);
+  EXPECT_EQ(samples_from_table(read_csv(folder_ / "told.csv", sample_columns()), "told.csv")[0].conditions.gravity_mps2,
+            9.81);
 }
 
 }  // namespace

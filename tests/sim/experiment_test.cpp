@@ -176,6 +176,9 @@ TEST(Simulate, StopsBySpeedAndByTime) {
   config.min_speed_mps = 0.5;
   for (const Impact& impact : simulate(config, Surface{}).impacts.rows) EXPECT_GE(impact.v_mps, 0.5);
   config.min_speed_mps = 0.0;
+  config.law = ConstantLaw{0.7};  // after some 30 impacts the ball rolls from asperity to asperity
+  config.n_impacts_max = 100;
+  for (const Impact& impact : simulate(config, small_surface(config)).impacts.rows) EXPECT_GT(impact.v_mps, 0.0);
   config.max_time_s = 2.0;
   for (const Impact& impact : simulate(config, Surface{}).impacts.rows) EXPECT_LE(impact.t_s, 2.0);
 }

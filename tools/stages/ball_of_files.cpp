@@ -32,6 +32,13 @@ std::optional<bool> air_of_simulation(const std::vector<std::string>& files) {
   return common_parameter(files, "drag") == "true";
 }
 
+std::optional<double> gravity_of(const std::vector<std::string>& files) {
+  const std::string text = common_parameter(files, "gravity");
+  double gravity_mps2 = 0.0;
+  const auto [end, status] = from_chars(text.data(), text.data() + text.size(), gravity_mps2);
+  return status == std::errc{} && gravity_mps2 > 0.0 ? std::optional(gravity_mps2) : std::nullopt;
+}
+
 std::string ball_line(const BallChoice& choice) {
   const std::optional<Ball> ball = ball_of(choice);
   const std::optional<Material> plate = plate_of(choice);

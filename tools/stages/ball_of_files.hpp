@@ -17,6 +17,9 @@ BallChoice with_provenance(BallChoice choice, const std::vector<std::string>& fi
 /// Whether the balls of simulated impacts flew through air; absent where the files are no simulation's.
 std::optional<bool> air_of_simulation(const std::vector<std::string>& files);
 
+/// Gravity of the command that wrote the files, simulate or detect; absent where it is not known.
+std::optional<double> gravity_of(const std::vector<std::string>& files);
+
 /// What was understood, as a line.
 std::string ball_line(const BallChoice& choice);
 

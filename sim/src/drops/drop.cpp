@@ -186,7 +186,9 @@ void Drop::end_flight() {
 std::optional<DropEnd> Drop::end_before(const FirstContact& contact, double t_s) const {
   if (t_s > config_->max_time_s) return DropEnd::time_reached;
   if (!is_on_plate(*config_, contact.state)) return DropEnd::left_plate;
-  if (std::abs(contact.state.motion.velocity_mps.z) < config_->min_speed_mps) return DropEnd::speed_reached;
+  // a ball that rolls, or spins fast, may be struck while it rises: it bounces no more
+  const double v_mps = -contact.state.motion.velocity_mps.z;
+  if (v_mps <= 0.0 || v_mps < config_->min_speed_mps) return DropEnd::speed_reached;
   return std::nullopt;
 }
 

@@ -35,6 +35,11 @@ Command restitution_command() {
               options->config.instant_contacts = true;
               if (!*air) options->config.air_kgpm3 = 0.0, set_parameter(run.parameters, "air", "0");
             }
+            const std::optional<double> gravity_mps2 = gravity_of(options->onsets);
+            if (gravity_mps2 && !run.given.contains("gravity")) {
+              options->config.gravity_mps2 = *gravity_mps2;
+              set_parameter(run.parameters, "gravity", short_number(*gravity_mps2));
+            }
             set_parameter(run.parameters, "ball", options->world.ball);
             set_parameter(run.parameters, "plate", options->world.plate);
             return run_restitution(*options, run).outcome;

@@ -49,8 +49,8 @@ struct SimulationConfig {
   std::array<double, 2> start_velocity_mps{0.0, 0.0};
   std::array<double, 3> start_spin_radps{0.0, 0.0, 0.0};
 
-  std::int64_t n_impacts_max = 100;                             ///< per drop, >= 1
-  double min_speed_mps = 0.0;                                   ///< a drop ends when an impact is slower
+  std::int64_t n_impacts_max = 100;  ///< per drop, >= 1
+  double min_speed_mps = 0.0;        ///< a drop ends before an impact slower, or while it rises
   double max_time_s = std::numeric_limits<double>::infinity();  ///< from release
   bool with_state = false;                                      ///< keep ImpactState for each impact
 
