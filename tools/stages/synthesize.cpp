@@ -2,7 +2,6 @@
 #include "stages/synthesize.hpp"
 
 #include <fmt/format.h>
-#include <stdlib.h>
 
 #include <algorithm>
 #include <charconv>
@@ -13,7 +12,6 @@
 #include <span>
 #include <string>
 #include <string_view>
-#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -26,6 +24,7 @@
 #include "bouncelab/synthesis/synthesize.hpp"
 #include "bouncelab/synthesis/synthetic_recording.hpp"
 #include "stages/files/provenance.hpp"
+#include "stages/files/scratch_folder.hpp"
 #include "stages/files/table_file.hpp"
 #include "stages/progress_line.hpp"
 
@@ -167,26 +166,6 @@ std::string reason_of(const std::string& complaints) {
     line.erase(at, std::min(line.find(']', at), line.size()) - at);
   return line.empty() ? "no reason given" : line;
 }
-
-/// A folder for what is not kept, gone with this.
-class ScratchFolder {
- public:
-  ScratchFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "bouncelab-XXXXXX").string();
-    if (::mkdtemp(name.data()) == nullptr) throw FileError(name, "cannot be made; set TMPDIR to a folder that can");
-    path_ = name;
-  }
-  ScratchFolder(const ScratchFolder&) = delete;
-  ScratchFolder& operator=(const ScratchFolder&) = delete;
-  ~ScratchFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
 
 std::filesystem::path ffmpeg_for_codec() {
   if (const auto found = find_program("ffmpeg")) return *found;
