@@ -86,9 +86,16 @@ class OpenByDragAndContact {
   void widen_law(Fit& law) const {
     for (NodeEstimate& node : law.nodes)
       widen(node.eps, open([&](const LawFit& f) { return f.law ? restitution(*f.law, node.v_mps) : NAN; }));
-    for (std::size_t k = 0; k < law.parameters.size(); ++k)
-      widen(law.parameters[k].estimate,
-            open([&](const LawFit& f) { return k < f.parameters.size() ? f.parameters[k].estimate.value : NAN; }));
+    const auto parameter = [](std::size_t k) {
+      return [k](const LawFit& f) { return k < f.parameters.size() ? f.parameters[k].estimate.value : NAN; };
+    };
+    for (std::size_t k = 0; k < law.parameters.size(); ++k) widen(law.parameters[k].estimate, open(parameter(k)));
+    Matrix& covariance = law.covariance;
+    for (std::size_t i = 0; i < covariance.size(); ++i)
+      for (std::size_t j = 0; j < covariance.size(); ++j) covariance[i][j] += shared(parameter(i), parameter(j));
+    for (std::size_t i = 0; i < covariance.size(); ++i)
+      for (std::size_t j = 0; j < covariance.size(); ++j)
+        law.correlation[i][j] = i == j ? 1.0 : covariance[i][j] / std::sqrt(covariance[i][i] * covariance[j][j]);
     for (CurvePoint& point : law.curve) {
       Estimate e;
       e.value = point.y;
@@ -103,12 +110,17 @@ class OpenByDragAndContact {
  private:
   template <class Of>
   double open(Of of) const {
-    double squares = 0.0;
+    return std::sqrt(shared(of, of));
+  }
+  /// Of the covariance of two quantities.
+  template <class Of, class Other>
+  double shared(Of of, Other other) const {
+    double sum = 0.0;
     for (const auto& [below, above] : sides_) {
-      const double half = 0.5 * (of(above) - of(below));
-      if (std::isfinite(half)) squares += half * half;
+      const double product = 0.25 * (of(above) - of(below)) * (other(above) - other(below));
+      if (std::isfinite(product)) sum += product;
     }
-    return std::sqrt(squares);
+    return sum;
   }
   std::vector<std::pair<LawFit, LawFit>> sides_;
 };
