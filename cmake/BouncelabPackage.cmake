@@ -47,6 +47,7 @@ set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_TOOLS_PACKAGE_NAME bouncelab)
 set(CPACK_DEBIAN_TOOLS_PACKAGE_RECOMMENDS ffmpeg)
+set(CPACK_DEBIAN_TOOLS_PACKAGE_SUGGESTS chromium)  # report --figures
 set(CPACK_DEBIAN_TOOLS_DESCRIPTION "Drop a ball on a plate and record the sound: the intervals between impacts
 give the coefficient of restitution at each speed. bouncelab finds the impacts
 in recordings, fits the law of restitution with honest errors, writes a

@@ -9,6 +9,7 @@
 #include "bouncelab/fit/memory_fit.hpp"
 #include "bouncelab/fit/usable_samples.hpp"
 #include "law/law_data.hpp"
+#include "law/law_search.hpp"
 #include "restitution/air_and_contact.hpp"
 
 namespace bouncelab::fit {
@@ -80,13 +81,21 @@ class OpenByDragAndContact {
     if (known.has_drag) add({estimate.sd.ln_kappa, 0.0});
     if (known.has_contact) add({0.0, estimate.sd.ln_tau});
   }
-  void widen_law(LawFit& law) const {
-    for (std::size_t k = 0; k < law.nodes.size(); ++k)
-      widen(law.nodes[k].eps, open([&](const LawFit& f) { return k < f.nodes.size() ? f.nodes[k].eps.value : NAN; }));
-    for (std::size_t k = 0; k < law.parameters.size(); ++k)
-      widen(law.parameters[k].estimate,
-            open([&](const LawFit& f) { return k < f.parameters.size() ? f.parameters[k].estimate.value : NAN; }));
-    if (!law.law) return;
+  /// A LawFit or a MemoryFit of the same form of law.
+  template <class Fit>
+  void widen_law(Fit& law) const {
+    for (NodeEstimate& node : law.nodes)
+      widen(node.eps, open([&](const LawFit& f) { return f.law ? restitution(*f.law, node.v_mps) : NAN; }));
+    const auto parameter = [](std::size_t k) {
+      return [k](const LawFit& f) { return k < f.parameters.size() ? f.parameters[k].estimate.value : NAN; };
+    };
+    for (std::size_t k = 0; k < law.parameters.size(); ++k) widen(law.parameters[k].estimate, open(parameter(k)));
+    Matrix& covariance = law.covariance;
+    for (std::size_t i = 0; i < covariance.size(); ++i)
+      for (std::size_t j = 0; j < covariance.size(); ++j) covariance[i][j] += shared(parameter(i), parameter(j));
+    for (std::size_t i = 0; i < covariance.size(); ++i)
+      for (std::size_t j = 0; j < covariance.size(); ++j)
+        law.correlation[i][j] = i == j ? 1.0 : covariance[i][j] / std::sqrt(covariance[i][i] * covariance[j][j]);
     for (CurvePoint& point : law.curve) {
       Estimate e;
       e.value = point.y;
@@ -97,20 +106,21 @@ class OpenByDragAndContact {
       point.band95 = e.ci95;
     }
   }
-  void widen_nodes(std::vector<NodeEstimate>& nodes) const {
-    for (NodeEstimate& node : nodes)
-      widen(node.eps, open([&](const LawFit& f) { return f.law ? restitution(*f.law, node.v_mps) : NAN; }));
-  }
 
  private:
   template <class Of>
   double open(Of of) const {
-    double squares = 0.0;
+    return std::sqrt(shared(of, of));
+  }
+  /// Of the covariance of two quantities.
+  template <class Of, class Other>
+  double shared(Of of, Other other) const {
+    double sum = 0.0;
     for (const auto& [below, above] : sides_) {
-      const double half = 0.5 * (of(above) - of(below));
-      if (std::isfinite(half)) squares += half * half;
+      const double product = 0.25 * (of(above) - of(below)) * (other(above) - other(below));
+      if (std::isfinite(product)) sum += product;
     }
-    return std::sqrt(squares);
+    return sum;
   }
   std::vector<std::pair<LawFit, LawFit>> sides_;
 };
@@ -171,17 +181,11 @@ FitResult fit_on_these_threads(const RestitutionSamples& samples, const FitConfi
   BudgetConfig budget = budget_config_of(*part, config.budget);
   if (known.has_drag && budget.drag == Effect::present) budget.drag = Effect::corrected;
   if (known.has_contact && budget.contact_time == Effect::present) budget.contact_time = Effect::corrected;
-  result.budget = error_budget(kept, result.law, budget);
+  result.budget = error_budget(kept, quoted_law(result), budget);
   step();
   // with the outliers of the pooled law: they may be all of one recording
   if (config.compare_recordings) result.recordings = compare_recordings(used, config.law, result.law);
   step();
-  if (!result.law.nodes.empty()) {
-    const double v_mps = config.dem_speed_mps.value_or(result.law.nodes[result.law.nodes.size() / 2].v_mps);
-    const bool remembers = result.memory && result.memory->holds;
-    result.dem_export =
-        dem_export(result.law, v_mps, remembers ? std::optional(result.memory->roughness.q.value) : std::nullopt);
-  }
   if (known.is_open()) {
     const PartOfSamples raw(*part, result.law.outliers);
     LawFitConfig same = main;
@@ -189,9 +193,15 @@ FitResult fit_on_these_threads(const RestitutionSamples& samples, const FitConfi
     for (const NodeEstimate& node : result.law.nodes) same.node_speeds_mps.push_back(node.v_mps);
     const OpenByDragAndContact open(*raw, known, deviation, same);
     open.widen_law(result.law);
-    if (result.memory) open.widen_nodes(result.memory->nodes);
+    if (result.memory) open.widen_law(*result.memory);
   }
-  result.status = result.law.status;
+  const LawFit quoted = quoted_law(result);
+  if (!result.law.nodes.empty()) {
+    const double v_mps = config.dem_speed_mps.value_or(result.law.nodes[result.law.nodes.size() / 2].v_mps);
+    result.dem_export = dem_export(
+        quoted, v_mps, memory_holds(result) ? std::optional(result.memory->roughness.q.value) : std::nullopt);
+  }
+  result.status = quoted.status;
   result.n_used = result.law.n;
   result.n_left_out = left_out.n;
   if (!result.law.outliers.empty()) result.n_left_out["outlier"] = result.law.outliers.size();
@@ -204,6 +214,31 @@ FitResult fit_all(const RestitutionSamples& samples, const FitConfig& config, co
   FitResult result;
   with_threads(config.n_threads, [&] { result = fit_on_these_threads(samples, config, progress); });
   return result;
+}
+
+bool memory_holds(const FitResult& result) {
+  return result.memory && result.memory->holds && !result.memory->nodes.empty();
+}
+
+LawFit quoted_law(const FitResult& result) {
+  LawFit law = result.law;
+  if (!memory_holds(result)) return law;
+  const MemoryFit& memory = *result.memory;
+  law.parameters = memory.parameters;
+  law.covariance = memory.covariance;
+  law.correlation = memory.correlation;
+  law.nodes = memory.nodes;
+  law.node_correlation = memory.node_correlation;
+  law.curve = memory.curve;
+  law.law = memory.law;
+  law.message = not_identified_in_words(memory.parameters, memory.n);
+  law.status = law.message.empty() ? FitStatus::ok : FitStatus::not_identifiable;
+  return law;
+}
+
+const std::vector<NodeEstimate>& quoted_nodes(const FitResult& result) {
+  if (memory_holds(result)) return result.memory->nodes;
+  return result.averaged ? result.averaged->nodes : result.law.nodes;
 }
 
 bool usable(const FitResult& result) {

@@ -48,7 +48,7 @@ const Description& members_of(const FitConfig*) {
   static const Description options{
       member<C>(
           "nodes", [](auto& c) -> auto& { return c.law.node_speeds_mps; },
-          "Speeds at which eps(v) is reported [m/s]; default 0.25 0.6 1.2, or within the data")
+          "Speeds at which eps(v) is reported [m/s]; default: below which 10, 50 and 90 % of the samples lie")
           .within(1e-6, 1e3),
       member<C>(
           "orders", [](auto& c) -> auto& { return c.law.orders; }, "Orders i of the series 1 + sum C_i A_i v^(i/10)")

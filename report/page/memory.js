@@ -58,16 +58,18 @@ function memoryTests(m) {
   table('', ['test', 'value', 'p', element('span', {class: 'words'}, 'in words')], rows.map(row => [...row.slice(0, 3), element('span', {class: 'words'}, row[3])]));
 }
 
-/// eps(v) taken as independent and with memory, side by side.
-function memoryNodes(m) {
-  const alone = v => ((law && law.nodes) || []).find(n => Math.abs(n.v_mps - v) < 1e-9);
+/// eps(v) and the constants with memory, and for comparison those of impacts taken as independent.
+function memoryBesideIndependent(m) {
+  const alone = v => ((law && law.nodes) || []).find(n => Math.abs(n.v_mps - v) < 1e-9) || {};
   const truth = v => (((summary && summary.eps_nodes) || []).find(n => Math.abs(n.v_mps - v) < 1e-9) || {}).truth;
-  const nodes = m.nodes || [], withTruth = nodes.some(n => known(truth(n.v_mps)));
-  table('', ['quantity', ...(withTruth ? ['what went in'] : []), 'with memory', '95% interval', 'impacts as independent', 'variance ratio'], nodes.map(n => {
-    const other = alone(n.v_mps) || {};
-    return [`ε(${speed(n.v_mps)})`, ...(withTruth ? [number(truth(n.v_mps), 7)] : []), measured(n.eps, n.se), interval(n.ci95), measured(other.eps, other.se),
-            known(other.se) && n.se > 0 ? number((other.se / n.se) ** 2, 3) : '–'];
-  }), 'Variance ratio: how many times more drops the independent fit would need for the same error.');
+  const constants = Object.fromEntries(((summary && summary.constants) || []).map(c => [c.name, c.truth]));
+  const rows = [...(m.nodes || []).map(n => [`ε(${speed(n.v_mps)})`, truth(n.v_mps), {...n, value: n.eps}, {...alone(n.v_mps), value: alone(n.v_mps).eps}]),
+                ...(m.parameters || []).filter(name => m[name].identified !== false && law[name]).map(name => [name, constants[name], m[name], law[name]])];
+  const withTruth = rows.some(([, t]) => known(t));
+  table('', ['quantity', ...(withTruth ? ['what went in'] : []), 'with memory', '95% interval', 'impacts as independent', 'variance ratio'],
+        rows.map(([name, t, e, other]) => [name, ...(withTruth ? [number(t, 7)] : []), measured(e.value, e.se), interval(e.ci95), measured(other.value, other.se),
+                                           known(other.se) && e.se > 0 ? number((other.se / e.se) ** 2, 3) : '–']),
+        'Impacts as independent: the fit that knows nothing of memory, for comparison. Variance ratio: how many times more drops it would need for the same error.');
 }
 
 /// What the scatter says of the surface. All but q follows from q, so that an interval is q's, to a power.
@@ -104,7 +106,7 @@ function memorySection(m, roughness) {
   const n = drawTransforms(parent, m.transform_counts);
   parent.append(element('p', {class: 'caption'}, `Probability transforms of the impacts given the earlier ones of their drop. ${bandWords(n)}`));
   memoryTests(m);
-  memoryNodes(m);
+  memoryBesideIndependent(m);
   if (m.holds) roughnessTable(roughness);
   else add('p', {class: 'caption'}, 'Roughness is not stated: it would follow from the model.');
 }

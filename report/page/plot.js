@@ -86,11 +86,34 @@ function figure(name, title, caption, parent = page) {
   return places;
 }
 
-/// Saved and printed pictures are those of a light page.
-function saveSvg(name) {
-  const section = document.getElementById(name);
-  plots.filter(plot => section.contains(plot.node)).forEach((plot, k, all) => Plotly.downloadImage(structuredClone({data: plot.data, layout: {...plot.layout, paper_bgcolor: 'white'}}), {
-    format: 'svg', filename: `bouncelab-${name}${all.length > 1 ? '-' + (k + 1) : ''}`, width: plot.node.clientWidth, height: plot.node.clientHeight}));
+/// A figure as one SVG, its plots where they lie on the page, in the colours of a light one.
+async function svgOf(section) {
+  const places = section.querySelector('.plots').getBoundingClientRect();
+  let width = 0, height = 0, inner = '';
+  for (const [k, plot] of plots.filter(plot => section.contains(plot.node)).entries()) {
+    const at = plot.node.getBoundingClientRect(), size = {width: plot.node.clientWidth, height: plot.node.clientHeight};
+    // names that Plotly draws at random are numbers: the same file each time
+    const traces = plot.data.map((trace, number) => ({...trace, uid: String(number)}));
+    const drawn = await Plotly.toImage(structuredClone({data: traces, layout: {...plot.layout, paper_bgcolor: 'white'}}), {format: 'svg', imageDataOnly: true, ...size});
+    const [, chance] = /id="defs-(\w+)"/.exec(drawn);
+    // an empty style of its first element stands here or there
+    inner += drawn.replaceAll(chance, 'plot' + k).replace(' style=""', '').replace('<svg ', `<svg x="${at.left - places.left}" y="${at.top - places.top}" `);
+    width = Math.max(width, Math.ceil(at.right - places.left));
+    height = Math.max(height, Math.ceil(at.bottom - places.top));
+  }
+  return {name: section.id, width, height, svg: `<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink" width="${width}" height="${height}" viewBox="0 0 ${width} ${height}">${inner}</svg>`};
+}
+async function saveSvg(name) {
+  const {svg} = await svgOf(document.getElementById(name));
+  const link = element('a', {href: URL.createObjectURL(new Blob([svg], {type: 'image/svg+xml'})), download: `bouncelab-${name}.svg`});
+  link.click();
+  URL.revokeObjectURL(link.href);
+}
+/// #figures: the page becomes a list of its figures, for `bouncelab report --figures`.
+async function listFigures() {
+  const all = [];
+  for (const section of document.querySelectorAll('.figure')) all.push(await svgOf(section));
+  document.body.replaceChildren(element('script', {type: 'application/json', id: 'figures'}, JSON.stringify(all).replaceAll('<', '\\u003c')));
 }
 
 function showOnly(name) {
@@ -119,4 +142,5 @@ function finishPlots() {
   window.addEventListener('afterprint', () => { if (darkPage.matches) drawAll(true); });
   const asked = /^#only=([\w-]+)$/.exec(location.hash);
   if (asked) showOnly(asked[1]);
+  if (location.hash === '#figures') listFigures();
 }

@@ -25,24 +25,24 @@ function truthTable() {
 }
 
 function lawTable() {
-  if (!law) return;
-  const named = [...(law.parameters || []).filter(name => (law[name] || {}).identified !== false).map(name => [name, law[name]]),
-                 ...(law.nodes || []).map(n => [`ε(${speed(n.v_mps)})`, {...n, value: n.eps}])].filter(([, e]) => e && known(e.value));
+  if (!quoted) return;
+  const named = [...(quoted.parameters || []).filter(name => (quoted[name] || {}).identified !== false).map(name => [name, quoted[name]]),
+                 ...(quoted.nodes || []).map(n => [`ε(${speed(n.v_mps)})`, {...n, value: n.eps}])].filter(([, e]) => e && known(e.value));
   const byDrop = named.some(([, e]) => known(e.se_independent)), boot = named.some(([, e]) => e.bootstrap);
   const rows = named.map(([name, e]) => [name, measured(e.value, e.se), interval(e.ci68), interval(e.ci95),
                                          ...(byDrop ? [known(e.se_independent) ? e.se_independent.toPrecision(2) : '–'] : []),
                                          ...(boot ? [e.bootstrap ? e.bootstrap.se.toPrecision(2) : '–', interval((e.bootstrap || {}).ci95)] : [])]);
   table('The law of restitution', ['quantity', 'value ± standard error', '68% interval', '95% interval', ...(byDrop ? ['error if impacts were independent'] : []),
                                    ...(boot ? ['bootstrap error', 'bootstrap 95%'] : [])], rows,
-        `ε(v) = 1 + Σ Cᵢ Aᵢ v^(i/10), v in m/s; C₂ = −1.153449, C₄ = 0.798267, C₅ = 4/15. Method: ${methodWords[law.method] || law.method || '–'}; ${number(law.n)} samples; status: ${(law.status || '–').replace(/_/g, ' ')}.`);
+        `ε(v) = 1 + Σ Cᵢ Aᵢ v^(i/10), v in m/s; C₂ = −1.153449, C₄ = 0.798267, C₅ = 4/15. Method: ${withMemory ? 'maximum likelihood of each impact given the earlier ones of its drop (with memory)' : methodWords[law.method] || law.method || '–'}; ${number(quoted.n)} samples; status: ${(fit.status || '–').replace(/_/g, ' ')}.`);
   const quality = [];
-  if (law.correlation && law.correlation.length > 1)
-    law.parameters.forEach((a, i) => law.parameters.forEach((b, j) => i < j && quality.push(`correlation ${a} ${b} ${number(law.correlation[i][j], 4)}`)));
-  if (known(law.condition_number)) quality.push(`condition number ${number(law.condition_number, 3)}`);
-  if (known(law.loglik)) quality.push(`log-likelihood ${number(law.loglik, 7)}`);
-  if (known(law.chi2) && known(law.ndf)) quality.push(`χ²/ndf (misfit over degrees of freedom, 1 expected) = ${number(law.chi2, 5)}/${number(law.ndf)}, p (chance of a worse one) = ${number(law.p_value, 3)}`);
-  if (law.anderson_darling)
-    quality.push(`Anderson–Darling A² = ${number(law.anderson_darling.a2, 4)}, p = ${number(law.anderson_darling.p_value, 3)} among ${number(law.anderson_darling.n_replicates)} simulated fits`);
+  if (quoted.correlation && quoted.correlation.length > 1)
+    quoted.parameters.forEach((a, i) => quoted.parameters.forEach((b, j) => i < j && quality.push(`correlation ${a} ${b} ${number(quoted.correlation[i][j], 4)}`)));
+  if (known(quoted.condition_number)) quality.push(`condition number ${number(quoted.condition_number, 3)}`);
+  if (known(quoted.loglik)) quality.push(`log-likelihood ${number(quoted.loglik, 7)}`);
+  if (known(quoted.chi2) && known(quoted.ndf)) quality.push(`χ²/ndf (misfit over degrees of freedom, 1 expected) = ${number(quoted.chi2, 5)}/${number(quoted.ndf)}, p (chance of a worse one) = ${number(quoted.p_value, 3)}`);
+  if (quoted.anderson_darling)
+    quality.push(`Anderson–Darling A² = ${number(quoted.anderson_darling.a2, 4)}, p = ${number(quoted.anderson_darling.p_value, 3)} among ${number(quoted.anderson_darling.n_replicates)} simulated fits`);
   if (quality.length) add('p', {class: 'caption'}, quality.join('; ') + '.');
 }
 
@@ -55,17 +55,17 @@ function recordingsTable() {
   const at = (r, v) => { const n = (r.nodes || []).find(node => node.v_mps === v); return n ? measured(n.eps, n.se) : '–'; };
   table('Recordings', ['recording', 'samples', 'drops', ...nodes.map(n => `ε(${speed(n.v_mps)})`), 'offset from one curve'],
         shown.map(r => [shownName(r.recording) || '(no name)', number(r.n), number(r.n_drops), ...nodes.map(n => at(r, n.v_mps)), estimated(r.offset)]),
-        (test ? `Each alone. One curve for all: p = ${number(test.p_value, 3)} (likelihood ratio ${number(test.likelihood_ratio, 4)} for ${number(test.ndf)} offsets, against the differences between ${test.within}).` : 'Each alone; too few samples to compare them.') +
+        (test ? `Each alone${withMemory ? ', impacts taken as independent' : ''}. One curve for all: p = ${number(test.p_value, 3)} (likelihood ratio ${number(test.likelihood_ratio, 4)} for ${number(test.ndf)} offsets, against the differences between ${test.within}).` : 'Each alone; too few samples to compare them.') +
         (all.length > most ? ` The ${most} furthest off of ${all.length}; all are in fit.json.` : ''));
 }
 
 function otherFits() {
   if (!law || !law.nodes) return;
-  const others = [['as above', law], ['least squares (follows the mean)', fit.law_least_squares], ['least absolute deviations (median)', fit.law_least_absolute],
+  const others = [...(withMemory ? [['with memory, as above', fit.memory]] : []), [withMemory ? 'impacts taken as independent' : 'as above', law], ['least squares (follows the mean)', fit.law_least_squares], ['least absolute deviations (median)', fit.law_least_absolute],
                   ['viscoelastic, one γ', fit.law_viscoelastic]].filter(o => o[1] && o[1].nodes && o[1].nodes.length);
   const constants = l => (l.parameters || []).map(k => `${k === 'gamma' ? 'γ' : k} = ${measured(l[k].value, l[k].se)}`).join(', ');
   if (others.length > 1) {
-    table('Other fits of the same samples', ['fit', ...law.nodes.map(n => `ε(${speed(n.v_mps)})`)], others.map(([name, l]) => [name, ...l.nodes.map(n => measured(n.eps, n.se))]));
+    table('Other fits of the same samples, for comparison', ['fit', ...law.nodes.map(n => `ε(${speed(n.v_mps)})`)], others.map(([name, l]) => [name, ...l.nodes.map(n => measured(n.eps, n.se))]));
     add('p', {class: 'caption'}, others.slice(1).map(([name, l]) => `${name}: ${constants(l)}`).join('; ') + '.');
   }
   table('Which law?', ['law', 'parameters', 'ΔAIC', 'ΔBIC'], (fit.law_comparison || []).map(c => [c.name, number(c.n_parameters), number(c.delta_aic, 4), number(c.delta_bic, 4)]),
@@ -112,7 +112,7 @@ function handOff() {
   if (!h) return;
   add('h2', {id: 'dem'}, 'In a DEM code');
   add('p', {class: 'caption'}, `ε = ${measured(h.eps, h.se)} at ${speed(h.v_mps)}. Mind: ${h.warning}.`);
-  const rows = ['v_mps,eps,lo95,hi95', ...((law && law.curve) || []).map(p => [p.v_mps, p.eps, p.lo95, p.hi95].map(x => x === null ? '' : x).join(','))];
+  const rows = ['v_mps,eps,lo95,hi95', ...((quoted && quoted.curve) || []).map(p => [p.v_mps, p.eps, p.lo95, p.hi95].map(x => x === null ? '' : x).join(','))];
   add('p', {}, element('a', {href: 'data:text/csv;charset=utf-8,' + encodeURIComponent(rows.join('\n') + '\n'), download: 'restitution_law.csv'}, 'ε(v) with its 95% band as a table (CSV)'),
       '; constants with their covariance: fit.json.');
   for (const s of h.snippets || []) {

@@ -29,25 +29,27 @@ std::string describe_nodes(const std::vector<NodeEstimate>& estimates) {
   return joined(nodes);
 }
 
-/// Beside a fit with memory, which has an answer of its own, those of the law; else as the first line has them.
-const std::vector<NodeEstimate>& nodes_of(const FitResult& r) {
-  return r.averaged && !r.memory ? r.averaged->nodes : r.law.nodes;
+std::string describe_constants(const std::vector<NamedEstimate>& parameters) {
+  std::vector<std::string> known;
+  for (const NamedEstimate& p : parameters)
+    if (p.estimate.identified) known.push_back(p.name + " = " + fit::in_words(p.estimate.value, p.estimate.se));
+  return joined(known);
 }
 
 std::string dependence(const FitResult& r) {
-  std::vector<std::string> known, unknown;
-  for (const NamedEstimate& p : r.law.parameters)
-    if (p.estimate.identified)
-      known.push_back(p.name + " = " + fit::in_words(p.estimate.value, p.estimate.se));
-    else
-      unknown.push_back(p.name);
-  std::string text = "ε = " + describe_nodes(nodes_of(r)) + " (± one standard error).";
-  if (!known.empty()) text += " Constants of the law: " + joined(known) + ".";
+  const LawFit law = quoted_law(r);
+  std::vector<std::string> unknown;
+  for (const NamedEstimate& p : law.parameters)
+    if (!p.estimate.identified) unknown.push_back(p.name);
+  const std::string known = describe_constants(law.parameters);
+  std::string text = "ε = " + describe_nodes(quoted_nodes(r)) + " (± one standard error" +
+                     (memory_holds(r) ? ", by the fit with memory)." : ").");
+  if (!known.empty()) text += " Constants of the law: " + known + ".";
   if (!r.law_viscoelastic.parameters.empty()) {
     const Estimate& gamma = r.law_viscoelastic.parameters.front().estimate;
-    text +=
-        " As a viscoelastic ball, with one constant of dissipation: gamma = " + fit::in_words(gamma.value, gamma.se) +
-        ".";
+    text += " As a viscoelastic ball, with one constant of dissipation" +
+            std::string(memory_holds(r) ? " and impacts taken as independent" : "") +
+            ": gamma = " + fit::in_words(gamma.value, gamma.se) + ".";
   }
   if (!unknown.empty())
     text += " The law's constants " + joined(unknown) + " cannot be told from these " + std::to_string(r.law.n) +
@@ -55,28 +57,40 @@ std::string dependence(const FitResult& r) {
   return text;
 }
 
-std::string certainty(const FitResult& r) {
+/// Do the samples scatter as the fit that is quoted assumes? Empty where it was not tested.
+std::string scatter_as_assumed(const FitResult& r) {
   const LawFit& law = r.law;
+  if (memory_holds(r)) {
+    const auto& test = r.memory->anderson_darling;
+    return test ? formatted(
+                      " The impacts are scattered as the fit with memory assumes (Anderson-Darling: p = %.2g, the "
+                      "chance of a worse one).",
+                      test->p_value)
+                : "";
+  }
+  if (!law.p_value) return "";
+  if (*law.p_value < 0.001)
+    return formatted(" The scatter is not as the fit assumes (p = %.1e, the chance of a worse one); ", *law.p_value) +
+           (law.drops.errors == ErrorBasis::by_drop ? "errors between drops do not depend on it."
+                                                    : "errors may be too small.");
+  return formatted(
+      " The samples are scattered as the fit assumes (χ²/ndf = %.2f, 1 expected; p = %.2g, the chance of a worse one).",
+      *law.chi2 / static_cast<double>(*law.ndf), *law.p_value);
+}
+
+std::string certainty(const FitResult& r) {
+  const LawFit law = quoted_law(r);
   std::vector<std::string> intervals;
-  for (const NodeEstimate& node : nodes_of(r))
+  for (const NodeEstimate& node : quoted_nodes(r))
     if (node.eps.ci95) intervals.push_back(interval_in_words(node.eps) + formatted(" at %.3g m/s", node.v_mps));
-  std::string text =
+  const std::string text =
       "95 % intervals (19 of 20 such intervals hold the true value): ε from " + joined(intervals) +
-      (law.drops.errors == ErrorBasis::by_drop ? formatted(", from how %zu drops differ from each other.", law.drops.n)
-                                               : ", if impacts are independent of each other.");
-  if (law.p_value)
-    text += *law.p_value < 0.001
-                ? formatted(" The scatter is not as the fit assumes (p = %.1e, the chance of a worse one); ",
-                            *law.p_value) +
-                      (law.drops.errors == ErrorBasis::by_drop ? "errors between drops do not depend on it."
-                                                               : "errors may be too small.")
-                : formatted(
-                      " The samples are scattered as the fit assumes (χ²/ndf = %.2f, 1 expected; p = %.2g, the chance "
-                      "of a worse one).",
-                      *law.chi2 / static_cast<double>(*law.ndf), *law.p_value);
-  const bool constants = std::any_of(law.parameters.begin(), law.parameters.end(),
-                                     [](const NamedEstimate& p) { return p.estimate.identified; });
-  return constants && law.parameters.size() > 1
+      (memory_holds(r) ? std::string(", by the likelihood of each impact given the earlier ones of its drop.")
+       : law.drops.errors == ErrorBasis::by_drop
+           ? formatted(", from how %zu drops differ from each other.", law.drops.n)
+           : std::string(", if impacts are independent of each other.")) +
+      scatter_as_assumed(r);
+  return law.parameters.size() > 1 && !describe_constants(law.parameters).empty()
              ? text + " The constants go together: use them with their correlation, or quote the curve."
              : text;
 }
@@ -123,12 +137,16 @@ std::string gaussian(const std::vector<HistogramFit>& histograms) {
   constexpr double kDecided = 10.0;
   std::size_t n = 0, n_against = 0, n_for = 0, n_unequal = 0;
   double least = HUGE_VAL, most = -HUGE_VAL;
+  std::vector<std::string> ratios;
   for (const HistogramFit& h : histograms) {
     if (!h.delta_aic_gaussian) continue;
     ++n;
     n_against += *h.delta_aic_gaussian > kDecided;
     n_for += *h.delta_aic_gaussian < -kDecided;
-    n_unequal += h.p_equal_slopes && *h.p_equal_slopes < 0.05;
+    n_unequal += slopes_differ(h).value_or(false);
+    if (h.slope_ratio && h.slope_ratio->ci95)
+      ratios.push_back(formatted("; falling over rising at %.2g m/s: %.2f (95 %%: %.3f to %.3f)", h.v_mps,
+                                 h.slope_ratio->value, h.slope_ratio->ci95->lo, h.slope_ratio->ci95->hi));
     least = std::min(least, *h.delta_aic_gaussian);
     most = std::max(most, *h.delta_aic_gaussian);
   }
@@ -142,12 +160,16 @@ std::string gaussian(const std::vector<HistogramFit>& histograms) {
          " in AIC (twice the difference of the log-likelihoods, less the parameters) in " + of(n_against) +
          " windows of speed, a normal beats them in " + of(n_for) +
          formatted(" (AIC of the normal less that of the two exponentials: %.0f to %.0f). ", least, most) +
-         "Their slopes differ (95 %) in " + of(n_unequal) + " windows.";
+         "Their slopes differ (95 %) in " + of(n_unequal) + " windows" +
+         (ratios.empty() ? "" : ratios[ratios.size() / 2]) + ".";
 }
 
-std::string remembers(const MemoryFit& memory) {
-  if (!memory.holds) return "No, or not so that it could be used: " + in_words(memory) + ".";
-  return "Yes: " + in_words(memory) + ". The curve so: " + describe_nodes(memory.nodes) +
+std::string remembers(const FitResult& r) {
+  const MemoryFit& memory = *r.memory;
+  if (!memory_holds(r)) return "No, or not so that it could be used: " + in_words(memory) + ".";
+  const std::string constants = describe_constants(r.law.parameters);
+  return "Yes: " + in_words(memory) + ". All constants above are by this fit; for comparison, impacts taken as " +
+         "independent give ε = " + describe_nodes(r.law.nodes) + (constants.empty() ? "" : "; " + constants) +
          ". The surface: " + in_words(memory.roughness) + ".";
 }
 
@@ -156,7 +178,7 @@ std::string in_dem(const FitResult& r) {
   return formatted("Codes with a constant coefficient: ε = %s at %.2g m/s; choose the speed of your collisions. ",
                    fit::in_words(r.dem_export->eps, r.dem_export->se).c_str(), r.dem_export->v_mps) +
          "Ready lines for LIGGGHTS, LAMMPS, Yade and MercuryDPM, and ε(v) as a table, are at the end" +
-         (r.memory && r.memory->holds ? "; so is C++ whose fluctuations remember." : ".");
+         (memory_holds(r) ? "; so is C++ whose fluctuations remember." : ".");
 }
 
 }  // namespace
@@ -170,7 +192,7 @@ std::vector<Finding> findings_of(const FitResult& result) {
                                 {"How do I use it in a DEM code?", in_dem(result)}};
   if (std::string agreement = in_words(result.recordings); !agreement.empty())
     findings.insert(findings.begin() + 1, {"Do the recordings agree?", sentence(agreement)});
-  if (result.memory) findings.insert(findings.end() - 1, {"Do the fluctuations remember?", remembers(*result.memory)});
+  if (result.memory) findings.insert(findings.end() - 1, {"Do the fluctuations remember?", remembers(result)});
   return findings;
 }
 

@@ -35,7 +35,7 @@ std::string with_interval(const Estimate& e) {
   return text;
 }
 
-std::string speed(double v_mps) { return formatted("%.2g m/s", v_mps); }
+std::string speed(double v_mps) { return formatted("%.3g m/s", v_mps); }
 
 /// Two digits, without a power of ten.
 std::string two_digits(double x) {
@@ -71,12 +71,6 @@ bool differs(const FitResult& result, const std::vector<NodeEstimate>& nodes, co
   const double rho = k < correlation.size() && middle < correlation[k].size() ? correlation[k][middle] : 0.0;
   const double variance = *a.se * *a.se + *b.se * *b.se - 2.0 * rho * *a.se * *b.se;
   return std::abs(b.value - a.value) > kSeen * std::sqrt(std::max(0.0, variance));
-}
-
-/// The nodes that the answer is of: of the fit with memory where it holds, else the average over laws, else the law's.
-const std::vector<NodeEstimate>& nodes_of(const FitResult& result, bool with_memory) {
-  if (with_memory) return result.memory->nodes;
-  return result.averaged ? result.averaged->nodes : result.law.nodes;
 }
 
 /// What most of the uncertainty is, and what would shrink it: a clause; empty where it is the ball's own scatter.
@@ -138,7 +132,7 @@ std::string of_step(const RestitutionStep& step, int decimals) {
 std::string of_value(const PlainAnswer& answer, const FitResult& result, bool ball_is_named) {
   const SpeedAndRestitution& at = *answer.at;
   std::string text = "ε = " + with_interval(at.eps) + " at " + speed(at.v_mps);
-  const auto& nodes = nodes_of(result, answer.with_memory);
+  const auto& nodes = quoted_nodes(result);
   if (answer.elsewhere.empty() && nodes.size() > 1 && !(result.averaged && result.averaged->step))
     text += "; from " + speed(nodes.front().v_mps) + " to " + speed(nodes.back().v_mps) +
             " no change with the speed is seen";
@@ -215,9 +209,9 @@ PlainAnswer plain_answer(const FitResult& result, const RestitutionSamples& samp
   answer.recordings = answers_by_recording(result, samples);
   const bool pooled = (usable(result) || result.averaged) && !disagree(result.recordings);
   if (pooled) {
-    answer.with_memory = result.memory && result.memory->holds && !result.memory->nodes.empty();
-    const auto& nodes = nodes_of(result, answer.with_memory);
-    const auto& correlation = answer.with_memory ? result.memory->node_correlation : result.law.node_correlation;
+    answer.with_memory = memory_holds(result);
+    const auto& nodes = quoted_nodes(result);
+    const Matrix correlation = quoted_law(result).node_correlation;
     const std::size_t middle = nodes.size() / 2;
     answer.at = at_node(nodes[middle]);
     answer.one_value = nodes.size() == 1;

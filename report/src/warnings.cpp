@@ -47,8 +47,10 @@ void warn_of_few_drops(const DropCount& drops, std::vector<std::string>& warning
                      "small at low speeds, those of ε(v) hardly");
 }
 
-void warn_of_law(const LawFit& law, std::vector<std::string>& warnings) {
-  if (law.p_value && *law.p_value < 0.001) {
+void warn_of_law(const FitResult& result, std::vector<std::string>& warnings) {
+  const LawFit& law = result.law;
+  // with memory the impacts need not scatter as if they were independent
+  if (law.p_value && *law.p_value < 0.001 && !memory_holds(result)) {
     double ratio = 0.0;
     for (const ResidualBin& bin : law.residuals) ratio += bin.scatter_ratio / static_cast<double>(law.residuals.size());
     warnings.push_back(formatted("the scatter about ε(v) is not as the fit assumes: χ²/ndf = %.2f, p = %.1e; ",
@@ -157,22 +159,23 @@ void warn(const FitResult& result, const RestitutionSamples& samples, FitInWords
   warn_of_all_samples(used, left_out, first);
   warn_of_mixed_conditions(used, first);
   // why there is no curve is a detail where eps is known all the same
-  const bool no_curve = !result.law.message.empty() && result.law.status != FitStatus::not_identifiable;
-  if (no_curve && !result.averaged) first.push_back(result.law.message);
-  warn_of_law(result.law, first);
+  const LawFit quoted = quoted_law(result);
+  const bool no_curve = !quoted.message.empty() && quoted.status != FitStatus::not_identifiable;
+  if (no_curve && !result.averaged) first.push_back(quoted.message);
+  warn_of_law(result, first);
   warn_of_timing(result.budget, first);
   std::vector<std::string>& details = words.details;
   if (first.size() > kMostWarnings) {
     details.assign(first.begin() + kMostWarnings, first.end());
     first.resize(kMostWarnings);
   }
-  if (no_curve && result.averaged) details.push_back(result.law.message);
+  if (no_curve && result.averaged) details.push_back(quoted.message);
   details.insert(details.end(), result.law.notes.begin(), result.law.notes.end());
-  warn_of_few_drops(result.law.drops, details);
+  if (!memory_holds(result)) warn_of_few_drops(result.law.drops, details);
   warn_of_unstated_errors(used, details);
   if (const std::string open = result.memory ? open_without_ball(*result.memory) : ""; !open.empty())
     details.push_back(open);
-  warn_of_constants(result.law, details);
+  warn_of_constants(quoted, details);
 }
 
 std::vector<std::string> warnings_of(const RoughnessResult& result, const RestitutionSamples& samples) {

@@ -15,7 +15,8 @@ TEST_F(Analyze, ARecordingGivesEveryFileOfTheInterface) {
   write("drop.wav", float_wav(bouncing(20), 44100));
   const Result result = run("analyze drop.wav --out out");
   EXPECT_EQ(result.exit_code, 0) << result.err;
-  for (const char* name : {"onsets.csv", "samples.csv", "fit.json", "summary.json", "wave.json", "report.html"}) {
+  for (const char* name :
+       {"onsets.csv", "samples.csv", "fit.json", "histograms.csv", "summary.json", "wave.json", "report.html"}) {
     EXPECT_TRUE(fs::exists(folder_ / "out" / name)) << name;
     EXPECT_TRUE(fs::exists(folder_ / "out" / (std::string(name) + ".meta.json"))) << name;
   }

@@ -51,8 +51,8 @@ TEST_F(Loop, WhatWentInComesOutWithinTheErrorsStated) {
   EXPECT_LT(reservoir["rms_difference_m2ps2"].get<double>(), 4 * reservoir["expected_law_m2ps2"].get<double>());
   EXPECT_NEAR(reservoir["spin_share"].get<double>(), 2.0 / 7.0, 0.01);  // rolling, to first order in offsets of 1e-2
   EXPECT_THAT(content_of(folder_ / "out" / "report.html"), testing::HasSubstr("\"sound_m2ps2\":["));
-  for (const char* name :
-       {"impacts.csv", "truth.csv", "onsets.csv", "samples.csv", "fit.json", "wave.json", "report.html"})
+  for (const char* name : {"impacts.csv", "truth.csv", "onsets.csv", "samples.csv", "fit.json", "histograms.csv",
+                           "wave.json", "report.html"})
     EXPECT_TRUE(fs::exists(folder_ / "out" / name)) << name;
 }
 
@@ -90,8 +90,8 @@ TEST_F(Loop, ResultsDoNotDependOnTheNumberOfThreads) {
     fs::rename(folder_ / "analysis", folder_ / ("analysis" + threads));
     fs::rename(folder_ / "loop", folder_ / ("loop" + threads));
   }
-  expect_same_outputs(folder_ / "loop1", folder_ / "loop3", 11);
-  expect_same_outputs(folder_ / "analysis1", folder_ / "analysis3", 7);
+  expect_same_outputs(folder_ / "loop1", folder_ / "loop3", 12);
+  expect_same_outputs(folder_ / "analysis1", folder_ / "analysis3", 8);
 }
 
 }  // namespace

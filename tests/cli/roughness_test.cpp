@@ -49,7 +49,8 @@ TEST_F(RoughnessCommand, OfAFitWithMemoryIsPrintedBesideTheIndependentLikelihood
   simulate_samples();
   const Result result = run("fit s.csv --method memory --goodness-replicates 0 --nodes 0.6 --nodes 1 --out f.json");
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_THAT(result.out, testing::ContainsRegex("ε.0.6 m/s. = 0.97[0-9]+ ± 0.0000[0-9]+; with memory 0.97[0-9]+ ±"));
+  EXPECT_THAT(result.out, testing::ContainsRegex(
+                              "ε.0.6 m/s. = 0.97[0-9]+ ± 0.0000[0-9]+; impacts taken as independent: 0.97[0-9]+ ±"));
   EXPECT_THAT(result.out, testing::HasSubstr("the fluctuations remember those before them"));
   EXPECT_THAT(result.out, testing::HasSubstr("roughness: q = "));
   const auto f = found("f.json");

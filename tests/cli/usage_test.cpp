@@ -62,6 +62,18 @@ TEST_F(Usage, HelpIsLegible) {
   EXPECT_THAT(simulate, testing::HasSubstr("--out FILE"));
 }
 
+TEST_F(Usage, HelpExplainsTheColumnsOfImpactsAndTruth) {
+  const std::string simulate = run("simulate --help").out;
+  for (const char* part : {"Columns of the impacts:", "\n  v_contact_mps ",
+                           "Normal approach speed of the point of contact", "\n  x_m, y_m, z_m "})
+    EXPECT_THAT(simulate, testing::HasSubstr(part));
+  const std::string synthesize = run("synthesize --help").out;
+  for (const char* part : {"Columns of the truth, a row for each impact:", "\n  recording ", "\n  sigma_t_s ",
+                           "Cramér-Rao bound", "\n  travel_time_s "})
+    EXPECT_THAT(synthesize, testing::HasSubstr(part));
+  EXPECT_THAT(synthesize, testing::Not(testing::HasSubstr("Likewise")));
+}
+
 TEST_F(Usage, FailuresAreSaidInJsonToo) {
   for (const char* line : {"fit none.csv --out f.json --json", "fit --json --ouy f.json", "none --json"}) {
     const Result result = run(line);

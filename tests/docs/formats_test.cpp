@@ -65,6 +65,7 @@ const std::map<std::string, const Description*>& all_described() {
 /// Columns of tables.
 const std::map<std::string, Description>& all_columns() {
   static const std::map<std::string, Description> all{
+      {"HistogramBin", description_of(columns_of(static_cast<const fit::HistogramBin*>(nullptr)))},
       {"Impact", description_of(columns_of(static_cast<const Impact*>(nullptr)))},
       {"ImpactState", description_of(columns_of(static_cast<const ImpactState*>(nullptr)))},
       {"Onset", description_of(columns_of(static_cast<const Onset*>(nullptr)))},

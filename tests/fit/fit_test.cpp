@@ -34,6 +34,31 @@ TEST(FitAll, OfTheQuickLoopKnowsTheCurveAndItsSlopes) {
   EXPECT_EQ(result.histograms.size(), 8u);
 }
 
+TEST(FitAll, WhatDragLeavesOpenIsInErrorsAndCovariancesAlikeWithAndWithoutMemory) {
+  testing::SyntheticRun run;
+  run.timing_sigma_s = 3e-6;
+  run.n_drops = 8;
+  run.n_impacts = 50;
+  RestitutionSamples in_air = restitution_samples(synthetic_onsets(run), {}).samples;
+  for (RestitutionSample& s : in_air) s.conditions.ball = Ball{};  // known, so that a world without air is none
+  FitConfig config;
+  config.n_goodness = 0;
+  config.memory = UseMemory::always;
+  const FitResult result = fit_all(in_air, config);
+  ASSERT_TRUE(result.averaged && result.averaged->kappa_per_m && *result.averaged->kappa_per_m->se > 0.0);
+  ASSERT_TRUE(result.memory && !result.memory->covariance.empty()) << result.memory->message;
+  const auto expect_alike = [](const auto& law) {
+    ASSERT_EQ(law.parameters.size(), 3u);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double variance = *law.parameters[k].estimate.se * *law.parameters[k].estimate.se;
+      EXPECT_NEAR(law.covariance[k][k], variance, 1e-6 * variance);  // rounding: both are sums of the same squares
+      EXPECT_NEAR(law.correlation[k][k], 1.0, 1e-12);
+    }
+  };
+  expect_alike(result.law);
+  expect_alike(*result.memory);
+}
+
 TEST(FitAll, LeavesOutAndCountsWhatIsFlaggedOrNotANumber) {
   auto samples = testing::independent_samples({}, 500, 0.2, 1.4, 0.0);
   samples[3].eps = std::numeric_limits<double>::quiet_NaN();

@@ -72,6 +72,57 @@ TEST(HistogramFit, EqualSlopesAreCalledEqualAndUnequalOnesNot) {
     EXPECT_GT(*h.p_equal_slopes, 1e-3);
 }
 
+TEST(HistogramFit, SlopesDifferWhereTheIntervalOfTheirRatioLeavesOneOutAndTheVerdictSaysTheSame) {
+  SyntheticRun run;
+  run.above_at_1mps = 0.85 * run.below_at_1mps;  // 1.5 to 4 standard errors in 500 to 4000 samples: some differ
+  int n_differ = 0, n = 0;
+  for (const auto& h : fit_histograms(independent_samples(run, 8000, 0.2, 1.4, 0.0), {}, truth_of(run))) {
+    const bool differ = slopes_differ(h).value();
+    EXPECT_EQ(differ, h.slope_ratio->ci95->lo > 1.0 || h.slope_ratio->ci95->hi < 1.0);
+    EXPECT_EQ(h.verdict.find("the slopes differ (95 %)") != std::string::npos, differ) << h.verdict;
+    EXPECT_EQ(h.verdict.find("the slopes may be equal") != std::string::npos, !differ) << h.verdict;
+    n_differ += differ;
+    ++n;
+  }
+  EXPECT_GT(n_differ, 0);
+  EXPECT_LT(n_differ, n);
+}
+
+TEST(HistogramTable, HasEveryBinOfEveryWindowWithTheDensityThatTheFitIntegratesTo) {
+  const auto fits = fit_histograms(independent_samples({}, 40000, 0.2, 1.4, 1e-4), {}, truth_of({}));
+  const Table table = histogram_table(fits);
+  const auto column = [&](const char* name) { return *table.reals(name); };
+  const auto count = *table.integers("count");
+  const auto v = column("v_mps"), lo = column("eps_lo"), hi = column("eps_hi"), density = column("density"),
+             sigma = column("sigma_density"), fitted = column("fitted");
+  std::size_t row = 0;
+  for (const auto& h : fits) {
+    double counted = 0.0, of_density = 0.0, of_fit = 0.0;
+    for (std::size_t k = 0; k < h.bins.counts.size(); ++k, ++row) {
+      EXPECT_EQ(v.at(row), h.v_mps);
+      EXPECT_EQ(lo.at(row), h.bins.eps_edges[k]);
+      EXPECT_EQ(hi.at(row), h.bins.eps_edges[k + 1]);
+      counted += static_cast<double>(count.at(row));
+      of_density += density.at(row) * (hi.at(row) - lo.at(row));
+      of_fit += fitted.at(row) * (hi.at(row) - lo.at(row));
+      if (count.at(row) > 0)
+        EXPECT_NEAR(sigma.at(row), density.at(row) / std::sqrt(static_cast<double>(count.at(row))),
+                    1e-12 * density.at(row));
+    }
+    EXPECT_EQ(counted + static_cast<double>(h.bins.underflow + h.bins.overflow), static_cast<double>(h.n));
+    EXPECT_NEAR(of_density, counted / static_cast<double>(h.n), 1e-12);
+    // all but what lies outside the bins, half a per cent on either side; trapezoids lose less
+    EXPECT_NEAR(of_fit, 1.0, 0.01);
+  }
+  EXPECT_EQ(row, table.n_rows());
+}
+
+TEST(HistogramTable, OfTooFewSamplesHasCountsAndNoFit) {
+  const Table table = histogram_table(fit_histograms(independent_samples({}, 100, 0.2, 1.4, 1e-4), {}, truth_of({})));
+  ASSERT_GT(table.n_rows(), 0u);
+  for (const double fitted : *table.reals("fitted")) EXPECT_TRUE(std::isnan(fitted));
+}
+
 const ShapeFit& shape_fit(const HistogramFit& h, DensityShape shape) {
   return *std::find_if(h.shapes.begin(), h.shapes.end(), [&](const auto& s) { return s.shape == shape; });
 }

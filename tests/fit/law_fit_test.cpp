@@ -206,6 +206,36 @@ TEST(LawFit, OnOneShortDropSaysThatAIsNotIdentifiable) {
   for (const auto& node : fit.nodes) EXPECT_LT(std::abs(node.eps.value - 0.946), 5.0 * *node.eps.se);
 }
 
+TEST(LawFit, NodesFollowTheSpeedsOfTheSamplesAndHaveTwoDigits) {
+  // speeds even in log v: 10, 50 and 90 % of them lie below lo (hi/lo)^.1, .5, .9, to .02 in log v with 500 samples
+  // (three standard errors), and two digits move a node by 0.05
+  for (const auto& [lo, hi] : {std::pair{0.2, 4.0}, std::pair{0.02, 0.3}, std::pair{30.0, 45.0}}) {
+    RestitutionSamples samples = independent_samples({}, 500, 0.2, 1.4, 1e-4);
+    for (std::size_t k = 0; k < samples.size(); ++k)
+      samples[k].v_mps = lo * std::pow(hi / lo, (static_cast<double>(k) + 0.5) / 500.0);
+    const LawFit fit = fit_law(samples, {});
+    ASSERT_EQ(fit.nodes.size(), 3u);
+    for (std::size_t j = 0; j < 3; ++j) {
+      const double v_mps = fit.nodes[j].v_mps, share = 0.1 + 0.4 * static_cast<double>(j);
+      EXPECT_NEAR(std::log(v_mps), std::log(lo * std::pow(hi / lo, share)), 0.07);
+      char two_digits[32];
+      std::snprintf(two_digits, sizeof two_digits, "%.2g", v_mps);
+      EXPECT_EQ(std::stod(two_digits), v_mps);
+    }
+  }
+}
+
+TEST(LawFit, NodesOfNearlyOneSpeedStayApartAndWithinIt) {
+  RestitutionSamples samples = independent_samples({}, 500, 0.2, 1.4, 1e-4);
+  for (std::size_t k = 0; k < samples.size(); ++k) samples[k].v_mps = 0.5 + 1e-5 * static_cast<double>(k);
+  const LawFit fit = fit_law(samples, {});
+  ASSERT_EQ(fit.nodes.size(), 3u);
+  EXPECT_GE(fit.nodes[0].v_mps, 0.5);
+  EXPECT_LT(fit.nodes[0].v_mps, fit.nodes[1].v_mps);
+  EXPECT_LT(fit.nodes[1].v_mps, fit.nodes[2].v_mps);
+  EXPECT_LE(fit.nodes[2].v_mps, 0.505);
+}
+
 TEST(LawFit, IntervalsOfOneDropOfFiftyImpactsCover) {
   if (test::kSanitizer != nullptr) GTEST_SKIP() << test::kRepetitions;
   // as above over 60 seeds, noise and scatter alike in size: 95 % good to 2.8, 68 % to 6.0; three standard errors. Not

@@ -81,13 +81,13 @@ TEST(MemoryOfFitAll, IsFittedBesideTheMainLawWhichItLeavesAlone) {
     // release is not known
     EXPECT_LT(*node.eps.se, 0.85 * *both.law.nodes[k].eps.se);
   }
-  // nothing of what is written without memory changes with it
+  // nothing of what is written without memory changes with it, but for the budget, which has the error of the curve
   auto j = nlohmann::ordered_json::parse(json_text(value_of(both)));
   const auto j_alone = nlohmann::ordered_json::parse(json_text(value_of(alone)));
   EXPECT_FALSE(alone.memory);
   EXPECT_FALSE(j_alone.contains("memory"));
   EXPECT_FALSE(j_alone.contains("roughness"));
-  for (const char* key : {"memory", "roughness", "answer", "answers", "hand_off"}) j.erase(key);
+  for (const char* key : {"memory", "roughness", "answer", "answers", "hand_off", "budget"}) j.erase(key);
   for (const auto& [key, value] : j.items()) EXPECT_EQ(value, j_alone.at(key)) << key;
 }
 
@@ -146,6 +146,48 @@ TEST(MemoryOfFitAll, GivesThePlainAnswerItsEpsAndSaysSo) {
   EXPECT_TRUE(words.answer.with_memory);
   EXPECT_EQ(words.answer.at->eps.value, result.memory->nodes.at(result.memory->nodes.size() / 2).eps.value);
   EXPECT_THAT(words.answer.sentences.at(0), ::testing::HasSubstr("by the fit with memory"));
+}
+
+TEST(MemoryOfFitAll, GivesAnswerQuestionsAndDemCodesOneSetOfNumbers) {
+  const FitResult& result = of_a_rough_ball();
+  const MemoryFit& memory = *result.memory;
+  const LawFit quoted = quoted_law(result);
+  ASSERT_EQ(quoted.parameters.size(), memory.parameters.size());
+  for (std::size_t k = 0; k < memory.parameters.size(); ++k)
+    EXPECT_EQ(quoted.parameters[k].estimate.value, memory.parameters[k].estimate.value);
+  EXPECT_EQ(quoted.covariance, memory.covariance);
+  // the mean of eps at a speed over the draws, and eps there of the mean of the law's linear coordinates
+  const NodeEstimate& middle = memory.nodes[memory.nodes.size() / 2];
+  EXPECT_EQ(result.dem_export->v_mps, middle.v_mps);
+  EXPECT_NEAR(result.dem_export->eps, middle.eps.value, 1e-12);
+  for (const Finding& f : in_words(result, drops(true)).findings) {
+    const bool is_dependence = f.question == "How does ε depend on speed?";
+    const bool is_comparison = f.question == "Do the fluctuations remember?";
+    for (std::size_t k = 0; k < memory.nodes.size(); ++k) {
+      if (is_dependence)
+        EXPECT_THAT(f.answer, ::testing::HasSubstr(fit::in_words(memory.nodes[k].eps.value, memory.nodes[k].eps.se)));
+      const std::string independent = fit::in_words(result.law.nodes[k].eps.value, result.law.nodes[k].eps.se);
+      if (is_comparison)
+        EXPECT_THAT(f.answer, ::testing::ContainsRegex("impacts taken as independent give.*" + independent));
+      else
+        EXPECT_THAT(f.answer, ::testing::Not(::testing::HasSubstr(independent))) << f.question;
+    }
+  }
+}
+
+TEST(MemoryOfFitAll, LeavesOutTheWarningsOfImpactsTakenAsIndependent) {
+  FitResult result = of_a_rough_ball();
+  result.law.p_value = 1e-9;
+  result.law.chi2 = 100.0;
+  result.law.ndf = 10;
+  const auto warns = [&] {
+    const FitInWords words = in_words(result, drops(true));
+    return std::any_of(words.warnings.begin(), words.warnings.end(),
+                       [](const std::string& w) { return w.find("is not as the fit assumes") != std::string::npos; });
+  };
+  EXPECT_FALSE(warns());
+  result.memory->holds = false;
+  EXPECT_TRUE(warns());
 }
 
 TEST(MemoryOfFitAll, OfIndependentImpactsIsWarnedOfAndNotHandedOn) {

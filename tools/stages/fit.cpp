@@ -39,7 +39,7 @@ std::string describe(const fit::RecordingFit& row) {
 }
 
 /// Whether the recordings agree, and a line for each; of many those that are furthest off.
-std::string describe(const fit::Recordings& recordings) {
+std::string describe(const fit::Recordings& recordings, bool with_memory) {
   constexpr std::size_t kMostLines = 20;
   if (recordings.rows.empty()) return {};
   std::vector<const fit::RecordingFit*> rows;
@@ -48,7 +48,8 @@ std::string describe(const fit::Recordings& recordings) {
     std::stable_sort(rows.begin(), rows.end(),
                      [](const auto* a, const auto* b) { return distance(*a) > distance(*b); });
   // where they do not agree, a warning says it
-  std::string text = disagree(recordings) ? "each recording alone:\n" : report::in_words(recordings) + ":\n";
+  std::string text = (disagree(recordings) ? "each recording alone" : report::in_words(recordings)) +
+                     (with_memory ? "; impacts taken as independent:\n" : ":\n");
   for (std::size_t k = 0; k < std::min(rows.size(), kMostLines); ++k) text += describe(*rows[k]);
   if (rows.size() > kMostLines)
     text += fmt::format("  ... and {} more that differ less; all are in the results under \"recordings\"\n",
@@ -56,39 +57,54 @@ std::string describe(const fit::Recordings& recordings) {
   return text;
 }
 
-/// ε(v) at the nodes, of the average over laws where there is one, and by both likelihoods where there are two.
-std::string describe_nodes(const fit::FitResult& result) {
-  const std::vector<fit::NodeEstimate>& nodes = result.averaged ? result.averaged->nodes : result.law.nodes;
+/// What the impacts say when they are taken as independent, behind what the fit with memory says.
+std::string compared(const fit::Estimate& independent) {
+  return "; impacts taken as independent: " + with_error(independent);
+}
+
+/// ε(v) at the nodes and the constants of the law.
+std::string describe_law(const fit::FitResult& result) {
+  const bool with_memory = memory_holds(result);
   std::string text;
-  for (std::size_t k = 0; k < nodes.size(); ++k) {
-    const fit::NodeEstimate& node = nodes[k];
-    text += fmt::format("ε({:.3g} m/s) = {}", node.v_mps, with_error(node.eps));
-    if (result.memory && k < result.memory->nodes.size())
-      text += "; with memory " + with_error(result.memory->nodes[k].eps);
-    text += "\n";
-  }
+  const std::vector<fit::NodeEstimate>& nodes = quoted_nodes(result);
+  for (std::size_t k = 0; k < nodes.size(); ++k)
+    text += fmt::format("ε({:.3g} m/s) = {}{}\n", nodes[k].v_mps, with_error(nodes[k].eps),
+                        with_memory ? compared(result.law.nodes[k].eps) : "");
+  const std::vector<fit::NamedEstimate> constants = quoted_law(result).parameters;
+  for (std::size_t k = 0; k < constants.size(); ++k)
+    if (constants[k].estimate.identified)
+      text += fmt::format("{} = {}{}\n", constants[k].name, with_error(constants[k].estimate),
+                          with_memory ? compared(result.law.parameters[k].estimate) : "");
+  for (const fit::NamedEstimate& p : result.law_viscoelastic.parameters)
+    if (p.estimate.identified)
+      text += fmt::format("{} = {}{}\n", p.name, with_error(p.estimate),
+                          with_memory ? ", impacts taken as independent" : "");
   return text;
 }
 
 /// Nothing where memory was not asked for; where it does not hold a warning says so.
 std::string describe(const std::optional<fit::MemoryFit>& memory) {
-  if (!memory || memory->status != fit::FitStatus::ok) return {};
-  return (memory->holds ? report::in_words(*memory) + "\n" : "") + "roughness: " + report::in_words(memory->roughness) +
-         "\n";
+  if (!memory || !memory->holds) return {};
+  return report::in_words(*memory) + "\nroughness: " + report::in_words(memory->roughness) + "\n";
+}
+
+/// Slopes of the two exponentials in a window of speeds, and their ratio.
+std::string describe(const fit::HistogramFit& h) {
+  if (!h.slope_rising || !h.slope_falling) return {};
+  std::string ratio;
+  if (h.slope_ratio && h.slope_ratio->ci95)
+    ratio = fmt::format(", falling / rising {:.2f} (95 %: {:.3f} to {:.3f})", h.slope_ratio->value,
+                        h.slope_ratio->ci95->lo, h.slope_ratio->ci95->hi);
+  return fmt::format("p(ε) at {:.2g} m/s: slopes {} rising, {} falling{}; {}\n", h.v_mps, with_error(*h.slope_rising),
+                     with_error(*h.slope_falling), ratio, h.verdict);
 }
 
 /// The result in a few lines, for people.
 std::string describe(const fit::FitResult& result) {
   std::string text = fmt::format("{} samples used; fit {}\n", result.n_used, fit::to_string(result.status));
-  text += describe_nodes(result) + describe(result.memory);
-  for (const fit::LawFit* law : {&result.law, &result.law_viscoelastic})
-    for (const fit::NamedEstimate& p : law->parameters)
-      if (p.estimate.identified) text += fmt::format("{} = {}\n", p.name, with_error(p.estimate));
-  for (const fit::HistogramFit& h : result.histograms)
-    if (h.slope_rising && h.slope_falling)
-      text += fmt::format("p(ε) at {:.2g} m/s: slopes {} rising, {} falling; {}\n", h.v_mps,
-                          with_error(*h.slope_rising), with_error(*h.slope_falling), h.verdict);
-  return text + describe(result.recordings);
+  text += describe_law(result) + describe(result.memory);
+  for (const fit::HistogramFit& h : result.histograms) text += describe(h);
+  return text + describe(result.recordings, memory_holds(result));
 }
 
 std::string more_files(std::size_t n) { return n > 1 ? fmt::format(" and {} more", n - 1) : ""; }
@@ -116,13 +132,14 @@ Outcome fit_outcome(const fit::FitResult& result, const report::FitInWords& word
   // of one speed alone eps is known there, and nothing more was to be known
   if (words.answer.at && result.law.kind == fit::LawKind::constant) return outcome;
   outcome.exit_code = kNotUsable;
-  outcome.error = samples + ": " + result.law.message;
-  std::erase(outcome.warnings, result.law.message);
+  const std::string message = quoted_law(result).message;
+  outcome.error = samples + ": " + message;
+  std::erase(outcome.warnings, message);
   return outcome;
 }
 
 Stage<fit::FitResult> run_fit(const FitOptions& options, const Run& run) {
-  check_files(run, {options.samples.begin(), options.samples.end()}, {options.out, options.table});
+  check_files(run, {options.samples.begin(), options.samples.end()}, {options.out, options.table, options.histograms});
   const std::vector<std::filesystem::path> files(options.samples.begin(), options.samples.end());
   std::vector<std::string> warnings, taken_for;
   RestitutionSamples samples = read_sample_files(files, run.common.n_threads, options.columns, taken_for, warnings);
@@ -133,7 +150,8 @@ Stage<fit::FitResult> run_fit(const FitOptions& options, const Run& run) {
   const Object all = report::object_of(result, words);
   write_text(run, options.out, json_text(all, 1) + "\n", files);
   if (!options.table.empty() && !result.law.curve.empty())
-    write_table(run, options.table, fit::law_table(result.law), files);
+    write_table(run, options.table, fit::law_table(quoted_law(result)), files);
+  if (!options.histograms.empty()) write_table(run, options.histograms, fit::histogram_table(result.histograms), files);
   Outcome outcome = fit_outcome(result, words, input_name(files.front()) + more_files(files.size()));
   outcome.text = lines_of(taken_for) + outcome.text;
   outcome.result = all;

@@ -16,8 +16,9 @@ struct FitOptions {
 
   std::vector<std::string> samples;  ///< files
   std::string out;
-  std::string table;    ///< empty: none
-  std::string columns;  ///< of a table that this program did not write: "v=speed,eps=e"
+  std::string table;       ///< empty: none
+  std::string histograms;  ///< likewise
+  std::string columns;     ///< of a table that this program did not write: "v=speed,eps=e"
   fit::FitConfig config;
   BallChoice world;  ///< in place of what the samples say
 };

@@ -28,12 +28,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const char* const kOutputs[] = {"impacts.csv", "recording.wav",
-                                "truth.csv",   "onsets.csv",
-                                "samples.csv", "samples_from_true_times.csv",
-                                "fit.json",    "fit_from_true_times.json",
-                                "wave.json",   "summary.json",
-                                "report.html"};
+const char* const kOutputs[] = {"impacts.csv",    "recording.wav",
+                                "truth.csv",      "onsets.csv",
+                                "samples.csv",    "samples_from_true_times.csv",
+                                "fit.json",       "fit_from_true_times.json",
+                                "histograms.csv", "wave.json",
+                                "summary.json",   "report.html"};
 
 /// The files of one loop.
 struct LoopFiles {
@@ -46,15 +46,17 @@ struct LoopFiles {
         samples_true(folder / "samples_from_true_times.csv"),
         fit(folder / "fit.json"),
         fit_true(folder / "fit_from_true_times.json"),
+        histograms(folder / "histograms.csv"),
         wave(folder / "wave.json"),
         summary(folder / "summary.json"),
         report(folder / "report.html") {}
-  fs::path impacts, recording, truth, onsets, samples, samples_true, fit, fit_true, wave, summary, report;
+  fs::path impacts, recording, truth, onsets, samples, samples_true, fit, fit_true, histograms, wave, summary, report;
 };
 
 /// Impact times -> samples -> fit, each in a file of the folder.
 Stage<fit::FitResult> times_to_constants(const loop::LoopConfig& config, const Run& run, const fs::path& onsets,
-                                         const fs::path& samples, const fs::path& fit_json) {
+                                         const fs::path& samples, const fs::path& fit_json,
+                                         const fs::path& histograms) {
   RestitutionOptions restitution;
   restitution.onsets = {onsets};
   restitution.out = samples;
@@ -66,6 +68,7 @@ Stage<fit::FitResult> times_to_constants(const loop::LoopConfig& config, const R
   fit.config.budget = loop::budget_config_of(config.simulation);
   fit.samples = {samples.string()};
   fit.out = fit_json;
+  fit.histograms = histograms;
   Stage<fit::FitResult> fitted = run_fit(fit, run);
   fitted.outcome = as_stage(std::move(fitted.outcome), fitted.result);
   fitted.outcome.warnings = joined(intervals.outcome.warnings, fitted.outcome.warnings);
@@ -122,8 +125,8 @@ Outcome run_through_files(const LoopOptions& options, const Run& run) {
   if (detected.exit_code != kDone) return detected;
   Stage<fit::FitResult> from_truth, from_sound;
   clock.time("restitution_and_fit", [&] {
-    from_truth = times_to_constants(config, run, files.truth, files.samples_true, files.fit_true);
-    from_sound = times_to_constants(config, run, files.onsets, files.samples, files.fit);
+    from_truth = times_to_constants(config, run, files.truth, files.samples_true, files.fit_true, {});
+    from_sound = times_to_constants(config, run, files.onsets, files.samples, files.fit, files.histograms);
   });
   const Onsets truth = read_onsets(files.truth), found = read_onsets(files.onsets);
   clock.time("wave", [&] {

@@ -29,6 +29,7 @@ const std::vector<std::string> kOutputs{"impacts.csv",
                                         "fit_from_true_times.json",
                                         "fit_from_simulation.json",
                                         "fit_smooth_ball.json",
+                                        "histograms.csv",
                                         "paper.json",
                                         "summary.json",
                                         "report.html"};
@@ -43,6 +44,7 @@ void write_tables(const loop::LoopResult& loop, const fs::path& folder, const Ru
   const std::vector<std::function<void()>> tables{
       [&] { write_table(run, folder / "truth.csv", truth_table_of(loop.rough.drops, loop.rough.name)); },
       [&] { write_table(run, folder / "samples.csv", to_table(loop.samples_sound)); },
+      [&] { write_table(run, folder / "histograms.csv", fit::histogram_table(loop.sound.histograms)); },
       [&] { write_table(run, folder / "impacts.csv", to_table(loop.rough.impacts)); },
       [&] { write_table(run, folder / "onsets.csv", to_table(onsets_of(loop.rough.drops))); },
       [&] { write_table(run, folder / "samples_from_true_times.csv", to_table(loop.samples_true)); }};

@@ -1,13 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "stages/report.hpp"
 
+#include <fmt/format.h>
+
 #include <filesystem>
+#include <utility>
 
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/files.hpp"
 #include "bouncelab/core/samples.hpp"
 #include "bouncelab/report/page.hpp"
+#include "stages/figures.hpp"
 #include "stages/files/table_file.hpp"
+#include "stages/progress_line.hpp"
 
 namespace bouncelab::stages {
 namespace {
@@ -38,6 +43,31 @@ std::string name_of_folder(const fs::path& folder) {
   return (path.has_filename() ? path.filename() : path.parent_path().filename()).string();
 }
 
+/// Each figure as NAME.svg and NAME.pdf: all are drawn before the first is written.
+Outcome write_figures(const std::string& page, const std::string& folder, const std::vector<fs::path>& inputs,
+                      const Run& run) {
+  const OutputFolder output_folder{fs::path(folder)};
+  const std::vector<Figure> figures = draw_figures(page, progress_line(run, "figures", "figures"));
+  if (figures.empty()) throw FileError(inputs.front().string(), "its report has no figures");
+  std::vector<std::pair<fs::path, const std::string*>> files;
+  for (const Figure& figure : figures) {
+    files.emplace_back(fs::path(folder) / (figure.name + ".svg"), &figure.svg);
+    files.emplace_back(fs::path(folder) / (figure.name + ".pdf"), &figure.pdf);
+  }
+  std::vector<fs::path> outputs;
+  for (const auto& [path, content] : files) outputs.push_back(path);
+  check_files(run, inputs, outputs);
+  Outcome outcome;
+  Values written;
+  for (const auto& [path, content] : files) {
+    write_text(run, path, *content, inputs);
+    written.emplace_back(path.string());
+  }
+  outcome.result = {{"figures", std::move(written)}};
+  outcome.text = fmt::format("{} figures in {}, each as SVG and PDF\n", figures.size(), folder);
+  return outcome;
+}
+
 }  // namespace
 
 Outcome run_report(const ReportOptions& options, const Run& run) {
@@ -48,7 +78,8 @@ Outcome run_report(const ReportOptions& options, const Run& run) {
   const fs::path out = options.out.empty() ? folder / "report.html" : fs::path(options.out);
   std::vector<fs::path> shown;
   for (const char* name : kShown) shown.push_back(folder / name);
-  check_files(run, shown, {out});
+  const bool writes_page = options.figures.empty() || !options.out.empty();
+  if (writes_page) check_files(run, shown, {out});
   std::vector<fs::path> inputs;
   report::ReportInput input;
   input.title = options.title.empty() ? "Restitution: " + name_of_folder(folder) : options.title;
@@ -60,9 +91,15 @@ Outcome run_report(const ReportOptions& options, const Run& run) {
   input.diagnostics_json = content_if_there(folder / "diagnostics.json", inputs);
   input.sweep_json = content_if_there(folder / "sweep.json", inputs);
   input.samples_json = samples_if_few(folder / "samples.csv", input.fit_json, inputs);
-  write_text(run, out, report::render(input), inputs);
+  const std::string page = report::render(input);
+  Outcome outcome;
+  if (!options.figures.empty()) outcome = write_figures(page, options.figures, inputs, run);
+  if (!writes_page) return outcome;
+  write_text(run, out, page, inputs);
   const std::string name = is_stream(out) ? out.string() : fs::absolute(out).lexically_normal().string();
-  return {kDone, {{"report", out.string()}}, "Report: " + name + "\n", {}, {}};
+  outcome.result.emplace_back("report", out.string());
+  outcome.text += "Report: " + name + "\n";
+  return outcome;
 }
 
 }  // namespace bouncelab::stages

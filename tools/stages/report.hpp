@@ -10,7 +10,8 @@ namespace bouncelab::stages {
 struct ReportOptions {
   std::string folder;  ///< with fit.json, and summary.json, samples.csv, wave.json where they exist
   std::string out;
-  std::string title;  ///< empty: named after the folder
+  std::string title;      ///< empty: named after the folder
+  std::string figures{};  ///< folder for each figure as SVG and PDF; empty: none
 };
 
 Outcome run_report(const ReportOptions& options, const Run& run);

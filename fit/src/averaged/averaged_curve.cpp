@@ -213,7 +213,7 @@ class Averaging {
  private:
   static std::vector<double> nodes_for(const std::vector<double>& v_mps) {
     if (v_mps.size() < kFewest || v_mps.back() < kOneSpeed * v_mps.front()) return {median(v_mps)};
-    return spread_speeds(v_mps, 3);
+    return node_speeds(v_mps);
   }
 
   Grid grid(std::size_t law, const AirAndContact& known, Deviation middle, Deviation sd) const {

@@ -20,6 +20,7 @@ constexpr std::size_t kWidthKnown = 30;  // samples; below, fit_law takes one te
 LawFitConfig config_of(const std::vector<double>& sorted_v_mps) {
   LawFitConfig config;
   config.intervals = IntervalMethod::covariance;
+  config.node_speeds_mps = spread_speeds(sorted_v_mps, 3);
   if (sorted_v_mps.size() >= kWidthKnown) config.n_scatter_terms = 2;
   // the twentieths at either end may hold stray speeds, as for fit_law
   const std::size_t n = sorted_v_mps.size();

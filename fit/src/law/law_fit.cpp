@@ -179,8 +179,7 @@ LawFit fitted_law(const RestitutionSamples& samples, const OrderedSamples& order
   }
   const LawLikelihood likelihood(candidate->data, model, candidate->family);
   describe_fit(fit, likelihood, candidate->maximum,
-               config.node_speeds_mps.empty() ? spread_speeds(data.v_mps, 3) : config.node_speeds_mps,
-               config.intervals);
+               config.node_speeds_mps.empty() ? node_speeds(data.v_mps) : config.node_speeds_mps, config.intervals);
   if (!candidate->maximum.converged) return fit;
   if (config.n_goodness > 0)
     fit.anderson_darling = anderson_darling_test(likelihood, candidate->maximum, config.n_goodness, config.seed);

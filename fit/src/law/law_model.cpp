@@ -172,6 +172,24 @@ std::vector<double> spread_speeds(std::span<const double> v_mps, std::size_t n) 
   return speeds;
 }
 
+std::vector<double> node_speeds(std::span<const double> v_mps) {
+  std::vector<double> sorted(v_mps.begin(), v_mps.end());
+  std::sort(sorted.begin(), sorted.end());
+  const std::size_t n = sorted.size();
+  const double lo = sorted[n / 10], middle = sorted[n / 2], hi = sorted[n - 1 - n / 10];
+  for (const int digits : {2, 3}) {
+    const auto rounded = [&](double v, double (*whole)(double)) {
+      const int decimals = digits - 1 - static_cast<int>(std::floor(log10(v)));
+      // by a positive power of ten: 48 / 100 is the double nearest to 0.48, 48 * 0.01 is not
+      const double ten = power(10.0, std::abs(decimals));
+      return decimals >= 0 ? whole(v * ten) / ten : whole(v / ten) * ten;
+    };
+    const std::vector<double> nodes{rounded(lo, std::ceil), rounded(middle, std::round), rounded(hi, std::floor)};
+    if (nodes[0] < nodes[1] && nodes[1] < nodes[2]) return nodes;
+  }
+  return {lo, middle, hi};
+}
+
 LawModel make_law_model(LawKind kind, const std::vector<int>& orders, std::span<const double> v_mps) {
   LawModel model;
   model.kind = kind;

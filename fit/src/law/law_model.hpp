@@ -53,8 +53,12 @@ double log_gamma_through(double v_mps, double eps);
 /// eps and d eps / d log gamma. @param x  sqrt(gamma) v^(1/10)
 std::pair<double, double> viscoelastic_and_slope(double x);
 
-/// n speeds for nodes: 0.25, 0.6, 1.2 where n = 3 and the data span them, else evenly in log v within the data.
+/// n speeds over those of the data: 0.25, 0.6, 1.2 where n = 3 and the data span them, else evenly in log v.
 std::vector<double> spread_speeds(std::span<const double> v_mps, std::size_t n);
+
+/// Speeds at which eps(v) is reported: those below which 10, 50 and 90 % of the data lie, moved inwards to two digits,
+/// so that a speed that is printed is the node itself; three, or all digits, where two would make nodes equal.
+std::vector<double> node_speeds(std::span<const double> v_mps);
 
 // Functions of many samples at once: exponentials and logarithms one by one are most of the time that they take.
 

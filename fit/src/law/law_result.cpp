@@ -80,29 +80,17 @@ void describe_parameters(LawFit& fit, const LawLikelihood& likelihood, const Par
   const double eps_middle = model.eps(std::span(&v_middle, 1), q)[0];
   const auto names = model.names();
   const bool enough = fit.n >= kSamplesPerParameter * fit.n_parameters;
-  for (Eigen::Index i = 0; i < values.size(); ++i) {
-    Estimate a = known.estimate(values[i], j.row(i));
-    a.identified = (values.size() == 1 || enough) && is_identified(model, i, a, v_middle, eps_middle);
-    fit.parameters.push_back({names[static_cast<std::size_t>(i)], a});
-  }
-  propagate_unidentified(fit.parameters, correlation);
-  std::string unknown, intervals;
-  for (const NamedEstimate& p : fit.parameters) {
-    if (p.estimate.identified) continue;
-    unknown += (unknown.empty() ? "" : ", ") + p.name;
-    intervals += (intervals.empty() ? "" : ", ") + p.name + " " + formatted("%.3g", p.estimate.ci95->lo) + " to " +
-                 formatted("%.3g", p.estimate.ci95->hi);
-  }
+  for (Eigen::Index i = 0; i < values.size(); ++i)
+    fit.parameters.push_back({names[static_cast<std::size_t>(i)], known.estimate(values[i], j.row(i))});
+  mark_identified(fit.parameters, model, correlation, v_middle, eps_middle);
+  if (values.size() > 1 && !enough)
+    for (NamedEstimate& p : fit.parameters) p.estimate.identified = false;
   fit.covariance = to_matrix(covariance);
   fit.correlation = to_matrix(correlation);
   const Eigen::VectorXd spectrum = eigenvalues(correlation);
   if (spectrum.minCoeff() > 0.0) fit.condition_number = spectrum.maxCoeff() / spectrum.minCoeff();
-  if (!unknown.empty()) {
-    fit.status = FitStatus::not_identifiable;
-    fit.message = unknown + (unknown.find(',') == std::string::npos ? " is" : " are") +
-                  " not identifiable from these " + std::to_string(fit.n) +
-                  " impacts (95 % intervals at best: " + intervals + "); use the curve ε(v)";
-  }
+  fit.message = not_identified_in_words(fit.parameters, fit.n);
+  if (!fit.message.empty()) fit.status = FitStatus::not_identifiable;
 }
 
 void describe_nodes(LawFit& fit, const LawModel& model, const ParameterCovariance& known,
@@ -214,6 +202,27 @@ Known known_of(LawFit& fit, const LawLikelihood& likelihood, const Maximum& maxi
 }
 
 }  // namespace
+
+void mark_identified(std::vector<NamedEstimate>& parameters, const LawModel& model, const Eigen::MatrixXd& correlation,
+                     double v_mps, double eps) {
+  for (std::size_t i = 0; i < parameters.size(); ++i)
+    parameters[i].estimate.identified =
+        is_identified(model, static_cast<Eigen::Index>(i), parameters[i].estimate, v_mps, eps);
+  propagate_unidentified(parameters, correlation);
+}
+
+std::string not_identified_in_words(const std::vector<NamedEstimate>& parameters, std::size_t n) {
+  std::string unknown, intervals;
+  for (const NamedEstimate& p : parameters) {
+    if (p.estimate.identified) continue;
+    unknown += (unknown.empty() ? "" : ", ") + p.name;
+    intervals += (intervals.empty() ? "" : ", ") + p.name + " " + formatted("%.3g", p.estimate.ci95->lo) + " to " +
+                 formatted("%.3g", p.estimate.ci95->hi);
+  }
+  if (unknown.empty()) return {};
+  return unknown + (unknown.find(',') == std::string::npos ? " is" : " are") + " not identifiable from these " +
+         std::to_string(n) + " impacts (95 % intervals at best: " + intervals + "); use the curve ε(v)";
+}
 
 void describe_nodes(LawFit& fit, const LawLikelihood& likelihood, const Maximum& maximum,
                     const std::vector<double>& node_speeds_mps) {

@@ -63,6 +63,14 @@ std::optional<Candidate> again_without_outliers(const LawData& data, const LawMo
 bool remove_outliers(const LawData& data, const LawModel& model, const Candidate& fit, std::vector<std::size_t>& rows,
                      std::vector<std::size_t>& outliers);
 
+/// Says which constants the data determine: known to a third of themselves, or their term C_i A_i v^(i/10) at `v_mps`
+/// to within the loss 1 - `eps` there, and not tied to one that is neither by a correlation above .99.
+void mark_identified(std::vector<NamedEstimate>& parameters, const LawModel& model, const Eigen::MatrixXd& correlation,
+                     double v_mps, double eps);
+
+/// Which constants `n` impacts do not determine, with their intervals; empty where they determine all.
+std::string not_identified_in_words(const std::vector<NamedEstimate>& parameters, std::size_t n);
+
 /// The nodes alone, with standard errors and correlations, and what these rest on.
 void describe_nodes(LawFit& fit, const LawLikelihood& likelihood, const Maximum& maximum,
                     const std::vector<double>& node_speeds_mps);

@@ -12,6 +12,8 @@
 
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/error.hpp"
+#include "bouncelab/core/numerics.hpp"
+#include "law/law_search.hpp"
 #include "memory/memory_likelihood.hpp"
 #include "memory/memory_tests.hpp"
 #include "memory/posterior.hpp"
@@ -182,7 +184,7 @@ Eigen::MatrixXd covariance_of(const Posterior& posterior, const Eigen::MatrixXd&
   return congruence(jacobian.transpose(), posterior.covariance.topLeftCorner(n, n));
 }
 
-void describe_law(MemoryFit& fit, const LawModel& model, const Posterior& posterior, std::vector<double> node_speeds,
+void describe_law(MemoryFit& fit, const LawModel& model, const Posterior& posterior, std::vector<double> nodes_mps,
                   const std::vector<double>& speeds) {
   const Eigen::Index n_law = model.n_parameters();
   const Eigen::VectorXd q = posterior.mean.head(n_law);
@@ -191,13 +193,18 @@ void describe_law(MemoryFit& fit, const LawModel& model, const Posterior& poster
     fit.parameters.push_back({names[i], estimate_of(posterior, [&](const Eigen::VectorXd& theta) {
                                 return model.reported(theta.head(n_law))[static_cast<Eigen::Index>(i)];
                               })});
-  fit.covariance = to_matrix(covariance_of(posterior, model.reported_jacobian(q)));
+  const Eigen::MatrixXd covariance = covariance_of(posterior, model.reported_jacobian(q));
+  const double v_middle = median(speeds);
+  mark_identified(fit.parameters, model, correlation_of(covariance), v_middle,
+                  model.eps(std::span(&v_middle, 1), q)[0]);
+  fit.covariance = to_matrix(covariance);
+  fit.correlation = to_matrix(correlation_of(covariance));
   const auto eps_at = [&](double v) {
     return [&, v](const Eigen::VectorXd& theta) { return model.eps(std::span(&v, 1), theta.head(n_law))[0]; };
   };
-  if (node_speeds.empty()) node_speeds = spread_speeds(speeds, 3);
-  for (const double v : node_speeds) fit.nodes.push_back({v, estimate_of(posterior, eps_at(v))});
-  const Eigen::MatrixXd nodes = covariance_of(posterior, model.jacobian(node_speeds, q));
+  if (nodes_mps.empty()) nodes_mps = node_speeds(speeds);
+  for (const double v : nodes_mps) fit.nodes.push_back({v, estimate_of(posterior, eps_at(v))});
+  const Eigen::MatrixXd nodes = covariance_of(posterior, model.jacobian(nodes_mps, q));
   fit.node_correlation = to_matrix(correlation_of(nodes));
   constexpr int kPoints = 40;
   const auto [lo, hi] = std::minmax_element(speeds.begin(), speeds.end());

@@ -133,8 +133,7 @@ const Description& members_of(const LawFit*) {
       result("covariance", &F::covariance, "Matrix by rows"),
       result("condition_number", &F::condition_number, "Of the correlation matrix"),
       result("nodes", &F::nodes,
-             "By default at 0.25, 0.6, 1.2 m/s where the "
-             "data reach there, else within the data"),
+             "By default at the speeds below which 10, 50 and 90 % of the samples lie, to two digits"),
       result("node_correlation", &F::node_correlation, "Matrix by rows"),
       result("scatter", &F::scatter, "Of the samples about ε(v), see below"),
       result("loglik", &F::loglik, "Log-likelihood"),
@@ -230,10 +229,13 @@ const Description& members_of(const RestitutionStep*) {
 const Description& members_of(const FitResult*) {
   using F = FitResult;
   static const Description all{
-      result("status", &F::status, "Of the main law"),
+      result("status", &F::status, "Of the law that is quoted: with memory where that holds, else `law`"),
       result("n_used", &F::n_used, "Samples fitted"),
       result("n_left_out", &F::n_left_out, "Reason → number of samples left out"),
-      result("law", &F::law, "The fit, see below"),
+      result(
+          "law", &F::law,
+          "The fit that takes impacts as independent, see below; where `memory` holds, a comparison: its constants and "
+          "curve are then the result"),
       result("averaged", &F::averaged,
              "ε over several laws, drag and contact time, as `answer` has it: `nodes`, `changes`, `curve`, `laws`, "
              "`kappa_per_m`, "

@@ -88,6 +88,7 @@ const Description& members_of(const MemoryFit*) {
       result("n_drops", &M::n_drops, "Drops they are of"),
       result("n_chains", &M::n_chains, "Pieces of drops without a missing impact"),
       estimates_by_name<M>(),
+      result("correlation", &M::correlation, "As of a law"),
       result("covariance", &M::covariance, "As of a law"),
       result("nodes", &M::nodes, "As of a law, at the same nodes"),
       result("node_correlation", &M::node_correlation, "As of a law"),

@@ -154,8 +154,8 @@ std::string verdict(const HistogramFit& h) {
                                              (best->shape == DensityShape::two_exponentials ? "" : "s") + " it best"
                                        : std::string(describe(best->shape)) + ", not to be told from " + undecided;
   if (best->p_value && *best->p_value < 1e-3) text += ", though not within the errors";
-  if (h.p_equal_slopes && best->shape == DensityShape::two_exponentials)
-    text += *h.p_equal_slopes < 1e-3 ? "; the slopes differ" : "; the slopes may be equal";
+  if (const std::optional<bool> differ = slopes_differ(h))
+    text += *differ ? "; the slopes differ (95 %)" : "; the slopes may be equal";
   return text;
 }
 
@@ -204,6 +204,11 @@ void check(const HistogramConfig& config) {
 
 }  // namespace
 
+std::optional<bool> slopes_differ(const HistogramFit& h) {
+  if (!h.slope_ratio || !h.slope_ratio->identified || !h.slope_ratio->ci95) return std::nullopt;
+  return h.slope_ratio->ci95->lo > 1.0 || h.slope_ratio->ci95->hi < 1.0;
+}
+
 const char* to_string(DensityShape shape) {
   switch (shape) {
     case DensityShape::two_exponentials:
@@ -229,6 +234,51 @@ std::vector<HistogramFit> fit_histograms(const RestitutionSamples& samples, cons
     results[i] = fit_histogram(with_speeds, config.centres_mps[i], width, config.n_min, law);
   });
   return results;
+}
+
+const RowColumns<HistogramBin>& columns_of(const HistogramBin*) {
+  using B = HistogramBin;
+  static const RowColumns<B> all{
+      column("v_mps", &B::v_mps,
+             "Centre of the window of speeds; ε of its samples is moved there along the fitted law"),
+      column("v_lo_mps", &B::v_lo_mps, "Ends of the window"),
+      column("v_hi_mps", &B::v_hi_mps, ""),
+      column("eps_lo", &B::eps_lo, "Edges of the bin"),
+      column("eps_hi", &B::eps_hi, ""),
+      column("count", &B::count, "Samples in it"),
+      column("density", &B::density,
+             "p(ε): `count / (n (eps_hi - eps_lo))`, n all samples of the window, also those outside all bins"),
+      column("sigma_density", &B::sigma_density, "Its Poisson error, with √count in place of `count`"),
+      column(
+          "fitted", &B::fitted,
+          "Mean over the bin of the two exponentials that were fitted, blurred by the timing errors; empty where the "
+          "window has too few samples")};
+  return all;
+}
+
+namespace {
+
+/// Mean of the curve over the k-th bin, by trapezoids.
+std::optional<double> fitted_in_bin(const HistogramFit& h, std::size_t k) {
+  if (h.curve.empty()) return std::nullopt;
+  const std::size_t n = (h.curve.size() - 1) / h.bins.counts.size();
+  double sum = 0.5 * (h.curve[k * n].y + h.curve[(k + 1) * n].y);
+  for (std::size_t j = 1; j < n; ++j) sum += h.curve[k * n + j].y;
+  return sum / static_cast<double>(n);
+}
+
+}  // namespace
+
+Table histogram_table(const std::vector<HistogramFit>& histograms) {
+  std::vector<HistogramBin> rows;
+  for (const HistogramFit& h : histograms)
+    for (std::size_t k = 0; k < h.bins.counts.size(); ++k) {
+      const double lo = h.bins.eps_edges[k], hi = h.bins.eps_edges[k + 1];
+      const auto count = static_cast<double>(h.bins.counts[k]), unit = static_cast<double>(h.n) * (hi - lo);
+      rows.push_back({h.v_mps, h.v_lo_mps, h.v_hi_mps, lo, hi, static_cast<std::int64_t>(h.bins.counts[k]),
+                      count / unit, std::sqrt(count) / unit, fitted_in_bin(h, k)});
+    }
+  return table_of<HistogramBin>(columns_of(rows.data()), rows);
 }
 
 namespace {

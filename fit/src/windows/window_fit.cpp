@@ -105,7 +105,9 @@ std::vector<double> probabilities_below(const LawData& data, const Eigen::Vector
 }
 
 std::vector<CurvePoint> density_curve(const LawData& data, const Eigen::VectorXd& theta, const Bins& bins) {
-  constexpr std::size_t kPoints = 161;
+  constexpr std::size_t kMostBins = 80;  // 161 points or more, so that the picture is smooth
+  const std::size_t n_bins = bins.counts.size(),
+                    n_points = 1 + 2 * n_bins * std::max<std::size_t>(1, kMostBins / n_bins);
   std::vector<double> sorted = data.tau;
   std::sort(sorted.begin(), sorted.end());
   const std::size_t n_taus = std::min(kBlockSize, sorted.size());
@@ -117,9 +119,9 @@ std::vector<CurvePoint> density_curve(const LawData& data, const Eigen::VectorXd
     inverse_tau[j] = 1.0 / tau[j];
   }
   std::vector<CurvePoint> curve;
-  for (std::size_t k = 0; k < kPoints; ++k) {
-    const double eps = bins.eps_edges.front() +
-                       (bins.eps_edges.back() - bins.eps_edges.front()) * static_cast<double>(k) / (kPoints - 1);
+  for (std::size_t k = 0; k < n_points; ++k) {
+    const double eps = bins.eps_edges.front() + (bins.eps_edges.back() - bins.eps_edges.front()) *
+                                                    static_cast<double>(k) / static_cast<double>(n_points - 1);
     Block d;
     d.fill(eps - theta[0]);
     DensityBlock f;

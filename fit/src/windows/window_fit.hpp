@@ -40,7 +40,8 @@ Estimate slope_ratio_estimate(const WindowFit& fit);
 /// Distribution function of a two-sided fit at each sample, with the sample's own timing error.
 std::vector<double> probabilities_below(const LawData& data, const Eigen::VectorXd& theta);
 
-/// The density expected of the window's samples, the mean over their timing errors, from the first edge to the last.
+/// The density expected of the window's samples, the mean over their timing errors, from the first edge to the last:
+/// each edge is a point, and between two lie an odd number, so that the middle of each bin is one.
 std::vector<CurvePoint> density_curve(const LawData& data, const Eigen::VectorXd& theta, const Bins& bins);
 
 /// Peak and mean distances from it: where the search for every shape starts.

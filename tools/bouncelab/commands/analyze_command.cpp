@@ -24,8 +24,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const char* const kOutputs[] = {"onsets.csv",       "samples.csv",  "fit.json",   "wave.json",
-                                "diagnostics.json", "summary.json", "report.html"};
+const char* const kOutputs[] = {"onsets.csv", "samples.csv",      "fit.json",     "histograms.csv",
+                                "wave.json",  "diagnostics.json", "summary.json", "report.html"};
 
 std::string title_of(const std::vector<fs::path>& files) {
   const std::string first = fs::path(input_name(files.front())).filename().string();
@@ -44,6 +44,7 @@ void write_files(const loop::Analysis& found, const report::FitInWords& words, c
   write_table(run, folder / "onsets.csv", to_table(found.onsets), inputs);
   write_table(run, folder / "samples.csv", to_table(found.restitution.samples), {folder / "onsets.csv"});
   write_json(run, folder / "fit.json", report::object_of(found.fit, words), 1, {folder / "samples.csv"});
+  write_table(run, folder / "histograms.csv", fit::histogram_table(found.fit.histograms), {folder / "samples.csv"});
   // the report shows what lies in the folder: what an earlier run knew of its sound must not stay in it
   for (const char* old : {"wave.json", "wave.json.meta.json", "diagnostics.json", "diagnostics.json.meta.json"})
     fs::remove(folder / old);

@@ -6,6 +6,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "bouncelab/core/description.hpp"
@@ -25,6 +26,8 @@ struct Command {
   std::function<Outcome(Run&)> run;
   std::vector<std::string> stages{};  ///< commands that it runs; a configuration file may have sections of them
   bool runs_through_lists = false;    ///< of a configuration file
+  /// Tables that it writes, by heading, for --help: the columns with what they are.
+  std::vector<std::pair<std::string, Description>> tables{};
 };
 
 Command simulate_command();

@@ -19,7 +19,9 @@ Command fit_command() {
       member("out", &O::out, "Results, .json").looks_like("FILE").required(),
       member("columns", &O::columns, "Which columns of a table from elsewhere are what (default: by their titles)")
           .looks_like("v=COLUMN,eps=COLUMN"),
-      member("table", &O::table, "Also the law as a table v_mps, eps, lo95, hi95").looks_like("FILE")};
+      member("table", &O::table, "Also the law as a table v_mps, eps, lo95, hi95").looks_like("FILE"),
+      member("histograms", &O::histograms, "Also p(eps) in windows of speed: bins, counts, density with its error, fit")
+          .looks_like("FILE")};
   static const Description ball = ball_options("what the samples say");
   auto options = std::make_shared<O>();
   return {"fit",

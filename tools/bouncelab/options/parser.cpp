@@ -167,6 +167,18 @@ class Parser {
   Given given_;
 };
 
+/// A table's columns in the two columns of --help; those without a text belong to the one before them.
+std::string columns_in_words(const std::string& heading, const Description& columns) {
+  std::ostringstream out;
+  for (std::size_t k = 0; k < columns.size(); ++k) {
+    std::string names = columns[k].name, text = columns[k].text;
+    for (; k + 1 < columns.size() && columns[k + 1].text.empty(); ++k) names += ", " + columns[k + 1].name;
+    std::erase(text, '`');
+    CLI::detail::format_help(out, names, in_second_column(text), kNames_characters);
+  }
+  return heading + ":\n" + out.str();
+}
+
 }  // namespace
 
 Given set_options(const std::vector<Section>& sections, const std::vector<std::string>& arguments) {
@@ -180,7 +192,9 @@ std::string help_of(const Command& command, bool all) {
   const bool has_more =
       std::any_of(sections.begin(), sections.end(), [](const Section& s) { return s.only_in_full_help; });
   const std::string more = "More options: bouncelab " + command.name + " --help-all";
-  parser.app().footer(has_more && !all ? more + "\n" + command.example : command.example);
+  std::string footer = has_more && !all ? more + "\n" : "";
+  for (const auto& [heading, columns] : command.tables) footer += columns_in_words(heading, columns) + "\n";
+  parser.app().footer(footer + command.example);
   return parser.app().help();
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <memory>
 
+#include "bouncelab/core/impacts.hpp"
 #include "options/commands.hpp"
 #include "stages/simulate.hpp"
 
@@ -23,7 +24,12 @@ Command simulate_command() {
           [options](Run& run) {
             if (options->preset == "paper") apply_paper_preset(*options, run);
             return run_simulate(*options, run);
-          }};
+          },
+          {},
+          false,
+          {{"Columns of the impacts", description_of(columns_of(static_cast<const Impact*>(nullptr)))},
+           {"With --state also, at the instant of contact, z normal to the plate",
+            description_of(columns_of(static_cast<const ImpactState*>(nullptr)))}}};
 }
 
 }  // namespace bouncelab::cli

@@ -1,11 +1,25 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <memory>
+#include <utility>
 
 #include "bouncelab/synthesis/synthetic_recording.hpp"
 #include "options/commands.hpp"
 #include "stages/synthesize.hpp"
 
 namespace bouncelab::cli {
+
+namespace {
+
+Description truth_columns() {
+  Description all = description_of(columns_of(static_cast<const synthesis::TrueImpact*>(nullptr)));
+  Member recording;
+  recording.name = "recording";
+  recording.text = "File of the sound";
+  all.insert(all.begin(), std::move(recording));
+  return all;
+}
+
+}  // namespace
 
 Command synthesize_command() {
   using O = SynthesizeOptions;
@@ -32,7 +46,10 @@ Command synthesize_command() {
             set_parameter(run.parameters, "ball", world.ball);
             set_parameter(run.parameters, "plate", world.plate);
             return run_synthesize(*options, run);
-          }};
+          },
+          {},
+          false,
+          {{"Columns of the truth, a row for each impact", truth_columns()}}};
 }
 
 }  // namespace bouncelab::cli

@@ -147,13 +147,16 @@ Onsets onsets_of_truth(const std::vector<TrueImpact>& truth, const std::string& 
 
 const RowColumns<TrueImpact>& columns_of(const TrueImpact*) {
   using T = TrueImpact;
-  static const RowColumns<T> all{column("drop", &T::drop, "As of onsets"),
-                                 column("impact", &T::impact, "Likewise"),
-                                 column("t_s", &T::t_s, "Start of contact at the plate"),
-                                 column("sigma_t_s", &T::sigma_t_s, "Cramér-Rao bound of `t_s` for the known waveform"),
-                                 column("amplitude", &T::amplitude, "As of onsets"),
-                                 column("snr_db", &T::snr_db, "Likewise"),
-                                 column("flags", &T::flags, "Likewise"),
+  static const RowColumns<T> all{column("drop", &T::drop, "Number of the drop"),
+                                 column("impact", &T::impact, "Number of the impact within its drop"),
+                                 column("t_s", &T::t_s, "Start of contact at the plate, exact"),
+                                 column("sigma_t_s", &T::sigma_t_s,
+                                        "Cramér-Rao bound: the least standard error of any unbiased detector that "
+                                        "knows the waveform; no error of `t_s` here, which is exact"),
+                                 column("amplitude", &T::amplitude,
+                                        "Peak of the impact's sound, full scale = 1, before clipping and gain control"),
+                                 column("snr_db", &T::snr_db, "`amplitude` over the noise rms [dB]"),
+                                 column("flags", &T::flags, "`clipped` where the sound reaches full scale"),
                                  column("contact_time_s", &T::contact_time_s, "Hertzian contact time"),
                                  column("travel_time_s", &T::travel_time_s,
                                         "The sound begins at `t_s + travel_time_s` at the (first live) sensor"),

@@ -48,7 +48,7 @@ struct FitConfig {
 const Description& members_of(const FitConfig*);
 
 struct FitResult {
-  FitStatus status = FitStatus::too_few_samples;  ///< of the main law
+  FitStatus status = FitStatus::too_few_samples;  ///< of the law that is quoted
   LawFit law;                                     ///< as configured; by default the asymmetric Laplace
   LawFit law_least_squares, law_least_absolute;
   LawFit law_viscoelastic;
@@ -72,6 +72,17 @@ const Description& members_of(const FitResult*);
 /// @param progress  called between the fits, in steps of one
 /// @throws InvalidArgument where the orders of the series are not valid, or more than fit_memory takes
 FitResult fit_all(const RestitutionSamples& samples, const FitConfig& config, const ProgressCallback& progress = {});
+
+/// Does the fit with memory hold? Its constants and its eps(v) are then the result, and `law`, which takes impacts as
+/// independent, is a comparison.
+bool memory_holds(const FitResult& result);
+
+/// The law whose constants and curve are quoted: of the fit with memory where it holds, else `law`. What a fit with
+/// memory has none of (scatter, residuals, chi2) is that of `law`.
+LawFit quoted_law(const FitResult& result);
+
+/// eps at the nodes as quoted: of the fit with memory where it holds, else averaged over laws, else of `law`.
+const std::vector<NodeEstimate>& quoted_nodes(const FitResult& result);
 
 /// Is there a curve eps(v) worth using? (`ok` and `not_identifiable`: the curve is known although A may not be.)
 bool usable(const FitResult& result);

@@ -2,12 +2,14 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "bouncelab/core/description.hpp"
 #include "bouncelab/core/samples.hpp"
+#include "bouncelab/core/table.hpp"
 #include "bouncelab/fit/estimate.hpp"
 #include "bouncelab/fit/law_fit.hpp"
 
@@ -83,11 +85,28 @@ struct HistogramFit {
 };
 const Description& members_of(const HistogramFit*);
 
+/// Is p(eps) lopsided for sure: does the 95 % interval of the slopes' ratio leave 1 out? Absent where there is none.
+std::optional<bool> slopes_differ(const HistogramFit& histogram);
+
 /// @param law  its drift of eps(v) and of the scatter within each window is taken out before the fit, so that peak and
 ///             slopes refer to the window's centre; where law.law is absent the samples are taken as they are
 /// @throws InvalidArgument where a centre is not positive or the width negative
 std::vector<HistogramFit> fit_histograms(const RestitutionSamples& samples, const HistogramConfig& config,
                                          const LawFit& law);
+
+/// A bin of p(eps) in a window of speeds, as a row of a table.
+struct HistogramBin {
+  double v_mps = 0.0, v_lo_mps = 0.0, v_hi_mps = 0.0;  ///< centre of the window, its ends
+  double eps_lo = 0.0, eps_hi = 0.0;
+  std::int64_t count = 0;
+  double density = 0.0;  ///< count / (n (eps_hi - eps_lo)), n all samples of the window, also those outside the bins
+  double sigma_density = 0.0;    ///< sqrt(count) in place of count
+  std::optional<double> fitted;  ///< mean of HistogramFit::curve over the bin; absent where there is no fit
+};
+const RowColumns<HistogramBin>& columns_of(const HistogramBin*);
+
+/// All bins of all windows, window by window.
+Table histogram_table(const std::vector<HistogramFit>& histograms);
 
 /// Counts of samples in a grid of speed and eps: the paper's figs. 1 and 2, top. Samples outside the grid are counted.
 struct DensityPicture {

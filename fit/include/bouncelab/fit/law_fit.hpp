@@ -44,7 +44,7 @@ struct LawFitConfig {
   std::size_t n_bootstrap = 0;  ///< replicates of the bootstrap by drop; 0: none
   bool compare_laws = false;    ///< fill LawFit::comparison
   std::uint64_t seed = 1;       ///< of the replicates
-  /// Speeds at which eps(v) is reported [m/s]; empty: 0.25, 0.6, 1.2 where the data reach there, else within the data.
+  /// Speeds at which eps(v) is reported [m/s]; empty: below which 10, 50 and 90 % of the speeds lie.
   std::vector<double> node_speeds_mps;
 };
 

@@ -63,7 +63,7 @@ struct MemoryFit {
   std::size_t n_drops = 0;                ///< they are of
   std::size_t n_chains = 0;               ///< pieces of drops without a missing impact
   std::vector<NamedEstimate> parameters;  ///< A2, A4, A5 ... | gamma | eps
-  Matrix covariance;                      ///< of `parameters`
+  Matrix correlation, covariance;         ///< of `parameters`
   std::vector<NodeEstimate> nodes;
   Matrix node_correlation;
   std::vector<CurvePoint> curve;  ///< eps(v), x in m/s
