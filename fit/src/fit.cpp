@@ -179,8 +179,9 @@ FitResult fit_on_these_threads(const RestitutionSamples& samples, const FitConfi
   if (!result.law.nodes.empty()) {
     const double v_mps = config.dem_speed_mps.value_or(result.law.nodes[result.law.nodes.size() / 2].v_mps);
     const bool remembers = result.memory && result.memory->holds;
+    const SampleConditions& conditions = used.front().conditions;
     result.dem_export =
-        dem_export(result.law, v_mps, remembers ? std::optional(result.memory->roughness.q.value) : std::nullopt);
+        dem_export(result.law, v_mps, conditions.ball, conditions.plate, remembers ? &*result.memory : nullptr);
   }
   if (known.is_open()) {
     const PartOfSamples raw(*part, result.law.outliers);
