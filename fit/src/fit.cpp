@@ -178,10 +178,23 @@ FitResult fit_on_these_threads(const RestitutionSamples& samples, const FitConfi
   step();
   if (!result.law.nodes.empty()) {
     const double v_mps = config.dem_speed_mps.value_or(result.law.nodes[result.law.nodes.size() / 2].v_mps);
-    const bool remembers = result.memory && result.memory->holds;
+    const bool remembers = result.memory && result.memory->holds && result.memory->law;
+    LawFit shown = result.law;  // with the curve that the answer is of
+    if (remembers) {
+      shown.law = result.memory->law;
+      shown.curve = result.memory->curve;
+    } else if (result.averaged && !result.averaged->curve.empty()) {
+      TableLaw table;
+      for (const CurvePoint& p : result.averaged->curve) {
+        table.v_mps.push_back(p.x);
+        table.eps.push_back(p.y);
+      }
+      shown.law = std::move(table);
+      shown.curve = result.averaged->curve;
+    }
     const SampleConditions& conditions = used.front().conditions;
     result.dem_export =
-        dem_export(result.law, v_mps, conditions.ball, conditions.plate, remembers ? &*result.memory : nullptr);
+        dem_export(shown, v_mps, conditions.ball, conditions.plate, remembers ? &*result.memory : nullptr);
   }
   if (known.is_open()) {
     const PartOfSamples raw(*part, result.law.outliers);

@@ -219,15 +219,14 @@ std::vector<Snippet> constant_decks(const Decks& decks, double eps) {
   return {
       deck("LIGGGHTS", model, "property/global coefficientRestitution", kLiggghts,
            {{"model", kLiggghtsConstant}, {"eps", number(eps)}}, decks),
-      deck(
-          "LAMMPS", model, "pair_style granular, second coefficient of hertz with damping tsuji", kLammps,
-          {{"about", "@about@# " + told + " for " + formatted("%.4f", eps) +
-                         ": tsuji makes its damping of it by a polynomial, which is here inverted; since 2022 there is "
-                         "also damping coeff_restitution, of the number itself\n"},
-           {"pair", told},
-           {"wall", told},
-           {"damping", "tsuji"}},
-          decks),
+      deck("LAMMPS", model, "pair_style granular, second coefficient of hertz with damping tsuji", kLammps,
+           {{"about", "@about@# tsuji makes its damping by a polynomial: of " + told + " it bounces " +
+                          formatted("%.4f", eps) +
+                          "\n# since 2022 there is also damping coeff_restitution, which takes the number itself\n"},
+            {"pair", told},
+            {"wall", told},
+            {"damping", "tsuji"}},
+           decks),
       deck("Yade", model, "Ip2_FrictMat_FrictMat_MindlinPhys.betan", kYade,
            {{"about", "@about@# betan for " + formatted("%.4f", eps) +
                           ", by the equation of motion: what Yade makes of en is off by 0.008 at 0.98\n"},

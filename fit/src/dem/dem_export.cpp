@@ -86,7 +86,7 @@ std::optional<DemExport> dem_export(const LawFit& fit, double v_mps, const std::
   const double off_constant = distance(fit, ConstantLaw{result.eps});
   const double off = result.gamma ? distance(fit, ViscoelasticLaw{*result.gamma}) : off_constant;
   if (off < 0.5 * off_constant) {
-    decks.about = formatted("viscoelastic sphere, gamma = %.5g (m/s)^(-1/5), within %.2g of eps(v) everywhere; ",
+    decks.about = formatted("viscoelastic sphere, gamma = %.5g (m/s)^(-1/5), within %.2g of eps(v) everywhere\n",
                             *result.gamma, off) +
                   at + ball_line;
     add(viscoelastic_decks(decks, *result.gamma));

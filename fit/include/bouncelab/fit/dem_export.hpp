@@ -42,6 +42,7 @@ const Description& members_of(const DemExport*);
 /// @param fit  with a law
 double rms_restitution(const LawFit& fit, double v_mps);
 
+/// @param fit     its law and curve, which may be those of another fit that is the answer, and its scatter
 /// @param v_mps   where the simulated collisions are, within the data
 /// @param memory  where it holds: adds a function that fluctuates with memory, by its own law and q
 /// @return nullopt where the fit has no law, or eps is not in (0, 1] as these codes demand
