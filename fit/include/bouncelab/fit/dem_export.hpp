@@ -26,9 +26,9 @@ const Description& members_of(const Snippet*);
 /// (docs/dem.md)
 struct DemExport {
   double v_mps = 0.0;
-  double eps = 0.0;             ///< sqrt(<eps^2>) at v: root mean square
+  double eps = 0.0;             ///< root mean square of eps at v
   std::optional<double> se;     ///< that of the peak
-  double mean = 0.0;            ///< <eps> at v
+  double mean = 0.0;            ///< mean at v
   double peak = 0.0;            ///< of p(eps | v)
   std::optional<double> gamma;  ///< of the viscoelastic sphere with that eps at v; absent where no such
                                 ///< sphere is half as far from eps(v) at other speeds as the constant
@@ -38,7 +38,7 @@ struct DemExport {
 };
 const Description& members_of(const DemExport*);
 
-/// sqrt(<eps^2>) of impacts at v, <eps^2> = <eps>^2 + var eps: what they keep of the energy.
+/// Root mean square of eps at v, sqrt(mean^2 + variance): its square is what impacts keep of the energy.
 /// @param fit  with a law
 double rms_restitution(const LawFit& fit, double v_mps);
 
