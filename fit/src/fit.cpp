@@ -198,8 +198,19 @@ FitResult fit_on_these_threads(const RestitutionSamples& samples, const FitConfi
   const LawFit quoted = quoted_law(result);
   if (!result.law.nodes.empty()) {
     const double v_mps = config.dem_speed_mps.value_or(result.law.nodes[result.law.nodes.size() / 2].v_mps);
-    result.dem_export = dem_export(
-        quoted, v_mps, memory_holds(result) ? std::optional(result.memory->roughness.q.value) : std::nullopt);
+    LawFit shown = quoted;  // with the curve that the answer is of
+    if (!memory_holds(result) && result.averaged && !result.averaged->curve.empty()) {
+      TableLaw table;
+      for (const CurvePoint& p : result.averaged->curve) {
+        table.v_mps.push_back(p.x);
+        table.eps.push_back(p.y);
+      }
+      shown.law = std::move(table);
+      shown.curve = result.averaged->curve;
+    }
+    const SampleConditions& conditions = used.front().conditions;
+    result.dem_export =
+        dem_export(shown, v_mps, conditions.ball, conditions.plate, memory_holds(result) ? &*result.memory : nullptr);
   }
   result.status = quoted.status;
   result.n_used = result.law.n;

@@ -53,7 +53,8 @@ const Description& members_of(const SpeedAndRestitution*) {
       result("v_mps", &S::v_mps, "Speed"), result("eps", path(&S::eps, &fit::Estimate::value), "ε there"),
       result("se", path(&S::eps, &fit::Estimate::se), "Its standard error"),
       result("ci95", path(&S::eps, &fit::Estimate::ci95), "Its 95 % interval"),
-      result("energy_lost", &S::energy_lost, "1 - ε², share of the energy of the vertical motion")};
+      result("energy_lost", &S::energy_lost,
+             "1 - ⟨ε²⟩, share of the energy of the vertical motion; `eps` is the peak of p(ε)")};
   return all;
 }
 

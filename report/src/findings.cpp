@@ -175,10 +175,14 @@ std::string remembers(const FitResult& r) {
 
 std::string in_dem(const FitResult& r) {
   if (!r.dem_export) return "Not at all: ε is not between 0 and 1 there.";
-  return formatted("Codes with a constant coefficient: ε = %s at %.2g m/s; choose the speed of your collisions. ",
-                   fit::in_words(r.dem_export->eps, r.dem_export->se).c_str(), r.dem_export->v_mps) +
-         "Ready lines for LIGGGHTS, LAMMPS, Yade and MercuryDPM, and ε(v) as a table, are at the end" +
-         (memory_holds(r) ? "; so is C++ whose fluctuations remember." : ".");
+  const fit::DemExport& d = *r.dem_export;
+  return formatted(
+             "As a constant: √⟨ε²⟩ = %s at %.2g m/s, which keeps the energy; choose the speed of your collisions. ",
+             fit::in_words(d.eps, d.se).c_str(), d.v_mps) +
+         (d.gamma ? "With the speed: viscoelastic contacts. " : "") +
+         "Inputs of LIGGGHTS, LAMMPS, Yade and MercuryDPM" + " that run, and functions that draw the fluctuations" +
+         (memory_holds(r) ? ", with memory," : "") +
+         " are at the end, and `bouncelab dem fit.json --code lammps` prints them.";
 }
 
 }  // namespace

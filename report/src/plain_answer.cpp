@@ -12,8 +12,13 @@ namespace bouncelab::report {
 using namespace fit;
 namespace {
 
-SpeedAndRestitution at_node(const NodeEstimate& node) {
-  return {node.v_mps, node.eps, 1.0 - node.eps.value * node.eps.value};
+/// <eps^2> - peak^2 of the scatter at v.
+double mean_square_above_peak(const LawFit& law, double v_mps) {
+  return law.law ? square(rms_restitution(law, v_mps)) - square(restitution(*law.law, v_mps)) : 0.0;
+}
+
+SpeedAndRestitution at_node(const NodeEstimate& node, const LawFit& scatter) {
+  return {node.v_mps, node.eps, 1.0 - square(node.eps.value) - mean_square_above_peak(scatter, node.v_mps)};
 }
 
 /// Decimals that show one digit of a standard error, two where that one is 1.
@@ -111,7 +116,7 @@ std::vector<RecordingAnswer> answers_by_recording(const FitResult& result, const
     const NodeEstimate* nearest = nullptr;
     for (const NodeEstimate& node : row.nodes)
       if (!nearest || std::abs(node.v_mps - *v_mps) < std::abs(nearest->v_mps - *v_mps)) nearest = &node;
-    if (nearest) answer.at = at_node(*nearest);
+    if (nearest) answer.at = at_node(*nearest, result.law);
     answers.push_back(std::move(answer));
   }
   return answers;
@@ -151,6 +156,13 @@ std::string of_value(const PlainAnswer& answer, const FitResult& result, bool ba
 std::string percent_lost(const SpeedAndRestitution& at) {
   const bool exact = at.eps.se && 200.0 * at.eps.value * *at.eps.se < 0.5;
   return rounded(100.0 * at.energy_lost, exact ? 1 : 0);
+}
+
+/// Where the loss is visibly another than that of the peak.
+std::string why_not_of_peak(const SpeedAndRestitution& at) {
+  return std::abs(at.energy_lost - (1.0 - square(at.eps.value))) < 0.005
+             ? ""
+             : ", by the mean of ε²: the ε above is the peak of its distribution";
 }
 
 /// Where recordings differ by more than chance: their range instead of a value.
@@ -213,17 +225,17 @@ PlainAnswer plain_answer(const FitResult& result, const RestitutionSamples& samp
     const auto& nodes = quoted_nodes(result);
     const Matrix correlation = quoted_law(result).node_correlation;
     const std::size_t middle = nodes.size() / 2;
-    answer.at = at_node(nodes[middle]);
+    answer.at = at_node(nodes[middle], result.law);
     answer.one_value = nodes.size() == 1;
     for (const std::size_t k : {nodes.size() - 1, std::size_t{0}})
-      if (differs(result, nodes, correlation, k)) answer.elsewhere.push_back(at_node(nodes[k]));
+      if (differs(result, nodes, correlation, k)) answer.elsewhere.push_back(at_node(nodes[k], result.law));
     answer.sentences.push_back(of_value(answer, result, !samples.empty() && samples.front().conditions.ball));
     if (result.averaged && result.averaged->step)
       answer.sentences.push_back(of_step(*result.averaged->step, decimals_for(answer.at->eps)));
     if (answer.at->eps.value > 0.0 && answer.at->eps.value < 1.0)
       answer.sentences.push_back(percent_lost(*answer.at) +
                                  " % of the energy of its motion up and down is lost in each bounce" +
-                                 " at that speed.");
+                                 " at that speed" + why_not_of_peak(*answer.at) + ".");
   } else {
     answer.sentences.push_back(disagree(result.recordings) ? of_range(answer) : of_missing(result, samples));
   }

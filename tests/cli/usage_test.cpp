@@ -13,13 +13,13 @@ TEST_F(Usage, HelpNamesEveryCommand) {
   const Result help = run("--help");
   EXPECT_EQ(help.exit_code, 0);
   for (const char* command : {"loop", "analyze", "simulate", "synthesize", "detect", "convert", "restitution", "fit",
-                              "roughness", "compare", "report"})
+                              "roughness", "compare", "dem", "report"})
     EXPECT_THAT(help.out, testing::HasSubstr(command));
 }
 
 TEST_F(Usage, EveryCommandHasHelpWithAnExample) {
   for (const char* command : {"loop", "analyze", "simulate", "synthesize", "detect", "convert", "restitution", "fit",
-                              "roughness", "compare", "report"}) {
+                              "roughness", "compare", "dem", "report"}) {
     const Result help = run(std::string(command) + " --help");
     EXPECT_EQ(help.exit_code, 0) << command;
     EXPECT_THAT(help.out, testing::HasSubstr("Example")) << command;
@@ -47,7 +47,7 @@ TEST_F(Usage, NothingAndHelpAreHelp) {
 
 TEST_F(Usage, HelpIsLegible) {
   for (const char* command : {"", "loop", "analyze", "simulate", "synthesize", "detect", "convert", "restitution",
-                              "fit", "roughness", "compare", "report", "calibrate", "completion"}) {
+                              "fit", "roughness", "compare", "dem", "report", "calibrate", "completion"}) {
     const std::string help = run(std::string(command) + " --help").out;
     EXPECT_THAT(help, testing::Not(testing::HasSubstr("->{"))) << command;
     EXPECT_THAT(help, testing::Not(testing::HasSubstr("=[]"))) << command;

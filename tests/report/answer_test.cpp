@@ -105,7 +105,9 @@ TEST(PlainAnswer, SaysEpsAtTheMiddleSpeedWhereItChangesAndWhatEnergyIsLost) {
   const NodeEstimate& middle = result.averaged->nodes.at(1);
   EXPECT_EQ(answer.at->v_mps, middle.v_mps);
   EXPECT_EQ(answer.at->eps.value, middle.eps.value);
-  EXPECT_DOUBLE_EQ(answer.at->energy_lost, 1.0 - middle.eps.value * middle.eps.value);
+  // of <eps^2>: by the mean, 1e-4 below the peak, and the variance
+  EXPECT_NEAR(answer.at->energy_lost, 1.0 - middle.eps.value * middle.eps.value, 1e-3);
+  EXPECT_NE(answer.at->energy_lost, 1.0 - middle.eps.value * middle.eps.value);
   ASSERT_EQ(answer.elsewhere.size(), 2u);  // a law that falls by .007 between the nodes, known to some 1e-5
   EXPECT_EQ(answer.elsewhere[0].v_mps, result.law.nodes.back().v_mps);
   EXPECT_THAT(answer.sentences.at(0), HasSubstr("ε = 0.980"));
@@ -178,7 +180,7 @@ TEST(FitInWords, AnswersTheFiveQuestionsOfAReader) {
   EXPECT_TRUE(says(2, "the ball itself") && says(2, "timing")) << words.findings[2].answer;
   EXPECT_TRUE(says(3, "No: ") && says(3, "8 of 8") && says(3, "falling over rising at 0.7 m/s: "))
       << words.findings[3].answer;
-  EXPECT_TRUE(says(4, "ε = 0.979") && says(4, "0.52 m/s")) << words.findings[4].answer;
+  EXPECT_TRUE(says(4, "√⟨ε²⟩ = 0.9789") && says(4, "0.6 m/s")) << words.findings[4].answer;
 }
 
 TEST(FitInWords, WarnsOfFlagsThatNothingOfOursWrites) {

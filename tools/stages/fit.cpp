@@ -154,6 +154,9 @@ Stage<fit::FitResult> run_fit(const FitOptions& options, const Run& run) {
   if (!options.histograms.empty()) write_table(run, options.histograms, fit::histogram_table(result.histograms), files);
   Outcome outcome = fit_outcome(result, words, input_name(files.front()) + more_files(files.size()));
   outcome.text = lines_of(taken_for) + outcome.text;
+  if (result.dem_export && !options.out.empty())
+    outcome.text +=
+        "in LIGGGHTS, LAMMPS, Yade, MercuryDPM, C++, Python: bouncelab dem " + options.out + " --code lammps\n";
   outcome.result = all;
   outcome.warnings = joined(warnings, outcome.warnings);
   return {std::move(outcome), std::move(result)};

@@ -198,6 +198,9 @@ double ScatterModel::mean_minus_peak(double v_mps) const {
   const double offset = normal_ratio > 0.0 ? std::sqrt(a * b) * mode_offset(log(a / b), log(normal_ratio)).value : 0.0;
   return a - b - offset;
 }
+double ScatterModel::variance(double v_mps) const {
+  return square(below(v_mps)) + square(above(v_mps)) + square(normal(v_mps));
+}
 
 LawFit fit_law(const RestitutionSamples& samples, const OrderedSamples& ordered, const LawFitConfig& config) {
   LawFit fit;

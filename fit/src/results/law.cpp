@@ -150,17 +150,26 @@ const Description& members_of(const LawFit*) {
 
 const Description& members_of(const Snippet*) {
   static const Description all{result("program", &Snippet::program, "Which code it is for"),
+                               result("model", &Snippet::model, "`constant`, `viscoelastic`; `fluctuating`, `memory`"),
                                result("parameter", &Snippet::parameter, "Which of its parameters"),
-                               result("text", &Snippet::text, "Lines to paste")};
+                               result("text", &Snippet::text, "A whole input, or a function")};
   return all;
 }
 
 const Description& members_of(const DemExport*) {
   using D = DemExport;
-  static const Description all{result("v_mps", &D::v_mps, "Speed of the simulated collisions"),
-                               result("eps", &D::eps, "ε there"), result("se", &D::se, "Its standard error"),
-                               result("warning", &D::warning, "How far ε moves over the speeds of the data"),
-                               result("snippets", &D::snippets, "`[{program, parameter, text}]`")};
+  static const Description all{
+      result("v_mps", &D::v_mps, "Speed of the simulated collisions"),
+      result("eps", &D::eps, "√⟨ε²⟩ there, root mean square"),
+      result("se", &D::se, "Standard error, that of the peak"),
+      result("mean", &D::mean, "⟨ε⟩ there"),
+      result("peak", &D::peak, "Peak of p(ε) there"),
+      result("gamma", &D::gamma,
+             "γ of the viscoelastic sphere with that ε there; `null` where it does not fit "
+             "at other speeds"),
+      result("ball", &D::ball, "Ball and plate whose contact the inputs have"),
+      result("warning", &D::warning, "How far ε moves over the speeds of the data; why `gamma` is `null`"),
+      result("snippets", &D::snippets, "`[{program, model, parameter, text}]`")};
   return all;
 }
 
@@ -253,8 +262,8 @@ const Description& members_of(const FitResult*) {
       result("histograms", &F::histograms, "Windows of speed, see below"),
       result("budget", &F::budget, "Error budget, see below"),
       result("hand_off", &F::dem_export,
-             "`null`, or `{v_mps, eps, se, warning, snippets: [{program, parameter, text}]}`: input lines for "
-             "discrete-element codes"),
+             "`null`, or `{v_mps, eps, se, mean, peak, gamma, ball, warning, snippets: [{program, model, parameter, "
+             "text}]}`: inputs of discrete-element codes, which `dem` prints"),
       result("density", &F::density,
              "Counts of samples: `v_edges_mps`, `eps_edges`, `counts[eps bin][v bin]`, `n_outside`"),
       result("memory", &F::memory,

@@ -18,6 +18,7 @@ const std::vector<CommandName>& all_commands() {
       {"roughness", roughness_command, stages},
       {"compare", compare_command, stages},
       {"report", report_command, stages},
+      {"dem", dem_command, stages},
       {"convert", convert_command, beside},
       {"validate", validate_command, beside},
       {"balls", balls_command, beside},

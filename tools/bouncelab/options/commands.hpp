@@ -43,6 +43,7 @@ Command calibrate_command();
 Command validate_command();
 Command analyze_command();
 Command loop_command();
+Command dem_command();
 Command completion_command();
 Command balls_command();
 

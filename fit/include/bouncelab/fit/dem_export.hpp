@@ -5,35 +5,49 @@
 #include <string>
 #include <vector>
 
+#include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/description.hpp"
 #include "bouncelab/core/table.hpp"
 #include "bouncelab/fit/law_fit.hpp"
+#include "bouncelab/fit/memory_fit.hpp"
 
 namespace bouncelab::fit {
 
-/// Lines to paste into the input of a discrete-element code.
+/// A whole input of a discrete-element code in which one ball meets a plate, or a function to draw eps.
 struct Snippet {
-  std::string program;    ///< LIGGGHTS, LAMMPS, Yade, MercuryDPM, C++
+  std::string program;    ///< LIGGGHTS, LAMMPS, Yade, MercuryDPM; C++, Python, formulas
+  std::string model;      ///< constant, viscoelastic; fluctuating, memory
   std::string parameter;  ///< which of its parameters is filled
   std::string text;
 };
 const Description& members_of(const Snippet*);
 
-/// The fitted law at one speed for codes that take a constant coefficient of restitution; where the roughness is known,
-/// also the law of all speeds and its fluctuations for codes that can be extended.
+/// The fitted law for codes that collide: they need what keeps the energy, the root of the mean of eps^2.
+/// (docs/dem.md)
 struct DemExport {
   double v_mps = 0.0;
-  double eps = 0.0;
-  std::optional<double> se;
-  std::string warning;  ///< how far eps moves over the speeds of the data
+  double eps = 0.0;             ///< root mean square of eps at v
+  std::optional<double> se;     ///< that of the peak
+  double mean = 0.0;            ///< mean at v
+  double peak = 0.0;            ///< of p(eps | v)
+  std::optional<double> gamma;  ///< of the viscoelastic sphere with that eps at v; absent where no such
+                                ///< sphere is half as far from eps(v) at other speeds as the constant
+  std::string ball;             ///< the ball and plate whose contact the inputs have
+  std::string warning;          ///< how far eps moves over the speeds of the data, and why there is no gamma
   std::vector<Snippet> snippets;
 };
 const Description& members_of(const DemExport*);
 
-/// @param v_mps  where the simulated collisions are, within the data
-/// @param q      c s2 of the ball (core/fluctuation.hpp), > 0; adds a snippet that fluctuates with memory
+/// Root mean square of eps at v, sqrt(mean^2 + variance): its square is what impacts keep of the energy.
+/// @param fit  with a law
+double rms_restitution(const LawFit& fit, double v_mps);
+
+/// @param fit     its law and curve, which may be those of another fit that is the answer, and its scatter
+/// @param v_mps   where the simulated collisions are, within the data
+/// @param memory  where it holds: adds a function that fluctuates with memory, by its own law and q
 /// @return nullopt where the fit has no law, or eps is not in (0, 1] as these codes demand
-std::optional<DemExport> dem_export(const LawFit& fit, double v_mps, std::optional<double> q = std::nullopt);
+std::optional<DemExport> dem_export(const LawFit& fit, double v_mps, const std::optional<Ball>& ball,
+                                    const std::optional<Material>& plate, const MemoryFit* memory = nullptr);
 
 /// The law as a table v_mps, eps, lo95, hi95.
 Table law_table(const LawFit& fit);

@@ -62,6 +62,8 @@ struct ScatterModel {
   double normal(double v_mps) const;
   /// From eps(v), the density's peak, to the mean.
   double mean_minus_peak(double v_mps) const;
+  /// below^2 + above^2 + normal^2.
+  double variance(double v_mps) const;
 };
 const Description& members_of(const ScatterModel*);
 

@@ -30,8 +30,8 @@ const Description& members_of(const DropsSeen*);
 /// eps at one speed within the range measured.
 struct SpeedAndRestitution {
   double v_mps = 0.0;
-  fit::Estimate eps;
-  double energy_lost = 0.0;  ///< 1 - eps^2, share of the energy of the vertical motion that a bounce takes
+  fit::Estimate eps;         ///< peak of p(eps)
+  double energy_lost = 0.0;  ///< 1 - mean of eps^2: share of the energy of the vertical motion that bounces take
 };
 const Description& members_of(const SpeedAndRestitution*);
 

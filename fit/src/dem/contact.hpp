@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "bouncelab/core/ball.hpp"
+
+namespace bouncelab::fit {
+
+/// A contact of the ball with the plate as discrete-element codes have it,
+///
+///   F = k_n sqrt(R) xi^(3/2) + damping,   k_n = (4/3) E*
+///
+/// with one material for ball and plate, E* = E/(2 (1 - nu^2)), so that each code makes the same E* of it.
+struct DemContact {
+  std::string ball;  ///< the ball and the plate in words
+  double radius_m = 0.0;
+  double density_kgpm3 = 0.0;
+  double youngs_modulus_pa = 0.0;
+  double poisson_ratio = 0.0;
+  double k_n_pa = 0.0;  ///< (4/3) E*
+  double k_t_pa = 0.0;  ///< 8 G* = 3 (1 - nu)/(2 - nu) k_n (Mindlin)
+  double mass_kg = 0.0;
+  double duration_s = 0.0;  ///< of an elastic contact at 1 m/s; as v^(-1/5)
+};
+
+/// As stiff as Hertz's law makes contacts that last as long as those of the ball do at v. Of a ball that is not known,
+/// or whose contacts are not: the paper's, a steel ball of 6 mm on glass.
+DemContact dem_contact(const std::optional<Ball>& ball, const std::optional<Material>& plate, double v_mps);
+
+/// The dissipative constant of the viscoelastic sphere, F_dissipative = 2 A E* sqrt(R xi) dxi/dt, by gamma of eps(v)
+/// [s]:
+///
+///   gamma = (3/2) A (rho/m)^(2/5),   rho = (4/3) E* sqrt(R)
+///
+/// Source: Mueller & Poeschel, Phys. Rev. E 84, 021302 (2011), doi:10.1103/PhysRevE.84.021302 (its beta is gamma).
+double dissipative_constant_s(const DemContact& contact, double gamma);
+
+/// alpha of a contact with a constant eps, m d2xi/dt2 = -k xi^(3/2) - alpha sqrt(m k) xi^(1/4) dxi/dt, that ends where
+/// the surfaces part, xi = 0:  alpha = -sqrt(5) ln eps/sqrt(ln^2 eps + pi^2).
+/// Source: Antypov & Elliott, EPL 94, 50004 (2011), doi:10.1209/0295-5075/94/50004.
+double damping_to_parting(double eps);
+/// The same of a contact that ends where the force does, which nothing attracts (Schwager & Poeschel, Phys. Rev. E 78,
+/// 051304 (2008), doi:10.1103/PhysRevE.78.051304). From the equation of motion; error of eps 1e-6.
+double damping_to_last_force(double eps);
+
+}  // namespace bouncelab::fit

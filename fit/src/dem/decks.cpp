@@ -1,0 +1,264 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "dem/decks.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "bouncelab/core/elementary.hpp"
+#include "bouncelab/core/text.hpp"
+
+namespace bouncelab::fit {
+namespace {
+
+/// Names in a text and what stands in their place: @name@.
+using Values = std::vector<std::pair<std::string, std::string>>;
+
+std::string filled(std::string text, const Values& values) {
+  for (const auto& [name, value] : values)
+    for (std::size_t at = 0; (at = text.find("@" + name + "@", at)) != std::string::npos; at += value.size())
+      text.replace(at, name.size() + 2, value);
+  return text;
+}
+
+std::string number(double x) { return formatted("%.8g", x); }
+
+/// Every line of it a comment.
+std::string commented(const std::string& text, const std::string& mark) {
+  std::string result = mark;
+  for (const char c : text) c == '\n' ? result += "\n" + mark : result += c;
+  return result + "\n";
+}
+
+constexpr double kFriction = 0.2;  // an example; eps along the normal does not depend on it
+
+Values common(const Decks& decks, const std::string& mark) {
+  const DemContact& c = decks.contact;
+  const auto lasts_s = [&](double v_mps) { return c.duration_s * pow(v_mps, -0.2); };
+  constexpr double kSteps = 200.0, kGap = 1e-4;  // a contact; radii above the plate
+  const double step_s = lasts_s(decks.fastest_mps) / kSteps;
+  const double time_s = 2.0 * lasts_s(decks.slowest_mps) + kGap * c.radius_m / decks.slowest_mps;
+  return {{"about", commented(decks.about, mark)},
+          {"v", number(decks.v_mps)},
+          {"R", number(c.radius_m)},
+          {"diameter", number(2.0 * c.radius_m)},
+          {"wide", number(10.0 * c.radius_m)},
+          {"start", number((1.0 + kGap) * c.radius_m)},
+          {"density", number(c.density_kgpm3)},
+          {"E", number(c.youngs_modulus_pa)},
+          {"nu", number(c.poisson_ratio)},
+          {"effective", number(0.75 * c.k_n_pa)},
+          {"shear", number(0.125 * c.k_t_pa)},
+          {"kn", number(c.k_n_pa)},
+          {"kt", number(c.k_t_pa)},
+          {"mu", number(kFriction)},
+          {"step", number(step_s)},
+          {"time", number(time_s)},
+          {"n", number(std::ceil(time_s / step_s))}};
+}
+
+const char* const kLiggghts = R"(# LIGGGHTS; run by: liggghts -in FILE, at another speed: liggghts -in FILE -var v 0.3
+@about@variable v index @v@                # speed of the impact [m/s]
+units si
+atom_style granular
+atom_modify map array
+boundary f f f
+newton off
+communicate single vel yes
+region box block -@wide@ @wide@ -@wide@ @wide@ -@wide@ @wide@ units box
+create_box 2 box                      # type 1: balls, type 2: the plate
+neighbor @R@ bin
+neigh_modify delay 0
+@model@fix walk all nve/sphere
+timestep @step@
+create_atoms 1 single 0 0 @start@ units box
+set atom 1 diameter @diameter@ density @density@ vz -$v
+run @n@
+variable eps equal vz[1]/$v
+print "eps = ${eps}"
+)";
+const char* const kLiggghtsConstant = R"(hard_particles yes                    # else moduli above 1e9 Pa are refused
+fix m1 all property/global youngsModulus peratomtype @E@ @E@
+fix m2 all property/global poissonsRatio peratomtype @nu@ @nu@
+fix m3 all property/global coefficientRestitution peratomtypepair 2 @eps@ @eps@ @eps@ @eps@
+fix m4 all property/global coefficientFriction peratomtypepair 2 @mu@ @mu@ @mu@ @mu@
+pair_style gran model hertz tangential history
+pair_coeff * *
+fix plate all wall/gran model hertz tangential history primitive type 2 zplane 0.0
+)";
+const char* const kLiggghtsViscoelastic = R"(fix m1 all property/global kn peratomtypepair 2 @kn@ @kn@ @kn@ @kn@
+fix m2 all property/global kt peratomtypepair 2 @kt@ @kt@ @kt@ @kt@
+fix m3 all property/global gamman peratomtypepair 2 @eta2@ @eta@ @eta@ @eta@
+fix m4 all property/global gammat peratomtypepair 2 @eta2@ @eta@ @eta@ @eta@
+fix m5 all property/global coefficientFriction peratomtypepair 2 @mu@ @mu@ @mu@ @mu@
+pair_style gran model hertz/stiffness tangential history limitForce on
+pair_coeff * *
+fix plate all wall/gran model hertz/stiffness tangential history primitive type 2 zplane 0.0 limitForce on
+)";
+
+const char* const kLammps = R"(# LAMMPS; run by: lmp -in FILE, at another speed: lmp -in FILE -var v 0.3
+@about@variable v index @v@                # speed of the impact [m/s]
+units si
+atom_style sphere
+atom_modify map array
+boundary f f f
+newton off
+comm_modify vel yes
+region box block -@wide@ @wide@ -@wide@ @wide@ -@wide@ @wide@
+create_box 1 box
+create_atoms 1 single 0 0 @start@
+set atom 1 diameter @diameter@ density @density@
+velocity all set 0 0 -$v
+pair_style granular
+pair_coeff * * hertz @kn@ @pair@ tangential mindlin @kt@ 1.0 @mu@ damping @damping@
+fix plate all wall/gran granular hertz @kn@ @wall@ tangential mindlin @kt@ 1.0 @mu@ damping @damping@ zplane 0.0 NULL
+fix walk all nve/sphere
+timestep @step@
+run @n@
+variable eps equal vz[1]/$v
+print "eps = ${eps}"
+)";
+
+const char* const kYade = R"(# Yade; run by: yade -n -x FILE.py, at another speed: yade -n -x FILE.py 0.3
+@about@import math, sys
+v = float(sys.argv[1]) if len(sys.argv) > 1 else @v@  # speed of the impact [m/s]
+friction = math.atan(@mu@)
+balls = O.materials.append(FrictMat(young=@E@, poisson=@nu@, density=@density@, frictionAngle=friction))
+O.bodies.append(sphere((0, 0, @start@), @R@, material=balls))
+O.bodies.append(wall(0, axis=2, material=balls))
+O.bodies[0].state.vel = (0, 0, -v)
+@model@O.engines = [
+    ForceResetter(),
+    InsertionSortCollider([Bo1_Sphere_Aabb(), Bo1_Wall_Aabb()]),
+    InteractionLoop([Ig2_Sphere_Sphere_ScGeom(), Ig2_Wall_Sphere_ScGeom()],
+                    [Ip2_FrictMat_FrictMat_MindlinPhys(@betan@)],
+                    [Law2_ScGeom_MindlinPhys_Mindlin()]),
+@engine@    NewtonIntegrator(damping=0)]  # damping is 0.2 if it is not set
+O.dt = @step@
+O.run(@n@, True)
+print('eps = %.6f' % (O.bodies[0].state.vel[2] / v))
+)";
+// of a ball and a wall Yade's effective radius is R/2
+const char* const kYadeViscoelastic = R"(
+A = {True: @A@, False: @Awall@}  # dissipative constant [s] of two balls; of ball and wall, whose R_eff is R/2 in Yade
+
+
+def viscoelastic():
+    """betan = (A/2) sqrt(k/m), k = 2 E* sqrt(R xi): the damping of MindlinPhys is then 2 A E* sqrt(R xi)."""
+    for i in O.interactions:
+        moving = [b.state.mass for b in (O.bodies[i.id1], O.bodies[i.id2]) if b.dynamic]
+        if i.isReal:
+            i.phys.betan = A[len(moving) == 2] / 2 * math.sqrt(i.phys.kn * sum(1 / m for m in moving))
+
+
+)";
+
+const char* const kMercury =
+    R"(// MercuryDPM; compiled as one of its drivers, run by: ./NAME, at another speed: ./NAME 0.3
+@about@#include "Mercury3D.h"
+#include "Species/HertzianViscoelasticMindlinSpecies.h"
+#include "Walls/InfiniteWall.h"
+
+int main(int argc, char** argv) {
+  const double v = argc > 1 ? std::atof(argv[1]) : @v@;  // speed of the impact [m/s]
+  Mercury3D code;
+  code.setName("bouncelab");
+  code.setMin(Vec3D(-@wide@, -@wide@, -@wide@));
+  code.setMax(Vec3D(@wide@, @wide@, @wide@));
+  code.setGravity(Vec3D(0, 0, 0));
+  HertzianViscoelasticMindlinSpecies species;
+  species.setDensity(@density@);
+  species.setEffectiveElasticModulusAndRestitutionCoefficient(@effective@, @eps@);
+  species.setEffectiveShearModulus(@shear@);
+  species.setSlidingFrictionCoefficient(@mu@);
+  const auto balls = code.speciesHandler.copyAndAddObject(species);
+  InfiniteWall plate;
+  plate.setSpecies(balls);
+  plate.set(Vec3D(0, 0, -1), Vec3D(0, 0, 0));
+  code.wallHandler.copyAndAddObject(plate);
+  SphericalParticle ball;
+  ball.setSpecies(balls);
+  ball.setRadius(@R@);
+  ball.setPosition(Vec3D(0, 0, @start@));
+  ball.setVelocity(Vec3D(0, 0, -v));
+  code.particleHandler.copyAndAddObject(ball);
+  code.setTimeStep(@step@);
+  code.setTimeMax(@time@);
+  code.solve();
+  std::cout << "eps = " << code.particleHandler.getObject(0)->getVelocity().Z / v << std::endl;
+}
+)";
+
+/// What LAMMPS's `damping tsuji` must be told so that eps comes out: it makes alpha of it by a polynomial that is off
+/// (of 0.9 it makes 0.93). Its manual, pair_granular; Tsuji et al., doi:10.1016/0032-5910(92)88030-L.
+double told_to_lammps(double eps) {
+  const auto alpha_of = [](double e) {
+    return 1.2728 + e * (-4.2783 + e * (11.087 + e * (-22.348 + e * (27.467 + e * (-18.022 + e * 4.8218)))));
+  };
+  const double alpha = damping_to_parting(eps);
+  double least = 0.0, most = 1.0;
+  for (int k = 0; k < 50; ++k) {
+    const double middle = 0.5 * (least + most);
+    (alpha_of(middle) > alpha ? least : most) = middle;
+  }
+  return 0.5 * (least + most);
+}
+
+Snippet deck(const char* program, const char* model, const char* parameter, const char* text, Values values,
+             const Decks& decks, const char* mark = "# ") {
+  const Values others = common(decks, mark);
+  values.insert(values.end(), others.begin(), others.end());
+  return {program, model, parameter, filled(text, values)};
+}
+
+}  // namespace
+
+std::vector<Snippet> constant_decks(const Decks& decks, double eps) {
+  const char* const model = "constant";
+  const std::string told = number(told_to_lammps(eps));
+  return {
+      deck("LIGGGHTS", model, "property/global coefficientRestitution", kLiggghts,
+           {{"model", kLiggghtsConstant}, {"eps", number(eps)}}, decks),
+      deck("LAMMPS", model, "pair_style granular, second coefficient of hertz with damping tsuji", kLammps,
+           {{"about", "@about@# tsuji makes its damping by a polynomial: of " + told + " it bounces " +
+                          formatted("%.4f", eps) +
+                          "\n# since 2022 there is also damping coeff_restitution, which takes the number itself\n"},
+            {"pair", told},
+            {"wall", told},
+            {"damping", "tsuji"}},
+           decks),
+      deck("Yade", model, "Ip2_FrictMat_FrictMat_MindlinPhys.betan", kYade,
+           {{"about", "@about@# betan for " + formatted("%.4f", eps) +
+                          ", by the equation of motion: what Yade makes of en is off by 0.008 at 0.98\n"},
+            {"model", ""},
+            {"engine", ""},
+            {"betan", "betan=" + number(damping_to_last_force(eps) / std::sqrt(6.0))}},
+           decks),
+      deck("MercuryDPM", model,
+           "HertzianViscoelasticMindlinSpecies::setEffectiveElasticModulusAndRestitutionCoefficient", kMercury,
+           {{"eps", number(eps)}}, decks, "// "),
+  };
+}
+
+std::vector<Snippet> viscoelastic_decks(const Decks& decks, double gamma) {
+  const char* const model = "viscoelastic";
+  const DemContact& c = decks.contact;
+  const double a_s = dissipative_constant_s(c, gamma);
+  const double eta = 1.5 * a_s * c.k_n_pa / c.mass_kg;  // 2 A E*/m
+  const std::string wall = number(eta), pair = number(2.0 * eta);
+  return {
+      deck("LIGGGHTS", model, "property/global gamman of hertz/stiffness", kLiggghts,
+           {{"model", kLiggghtsViscoelastic}, {"eta", wall}, {"eta2", pair}}, decks),
+      deck("LAMMPS", model, "pair_style granular, second coefficient of hertz with damping viscoelastic", kLammps,
+           {{"pair", pair}, {"wall", wall}, {"damping", "viscoelastic"}}, decks),
+      deck("Yade", model, "MindlinPhys.betan, at every step", kYade,
+           {{"model", kYadeViscoelastic},
+            {"engine", "    PyRunner(command='viscoelastic()', iterPeriod=1),\n"},
+            {"betan", ""},
+            {"A", number(a_s)},
+            {"Awall", number(a_s * pow(2.0, 0.2))}},
+           decks),
+  };
+}
+
+}  // namespace bouncelab::fit

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bouncelab/fit/dem_export.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "bouncelab/core/elementary.hpp"
+#include "bouncelab/core/text.hpp"
+#include "dem/decks.hpp"
+
+namespace bouncelab::fit {
+namespace {
+
+double mean_of(const LawFit& fit, double v_mps) {
+  return restitution(*fit.law, v_mps) + (fit.scatter ? fit.scatter->mean_minus_peak(v_mps) : 0.0);
+}
+double sd_of(const LawFit& fit, double v_mps) { return fit.scatter ? std::sqrt(fit.scatter->variance(v_mps)) : 0.0; }
+
+/// gamma of the viscoelastic sphere that has eps at v; absent where none has: eps is 1, or too small.
+std::optional<double> gamma_at(double eps, double v_mps) {
+  double least = 0.0, most = 10.0;
+  const auto of = [&](double gamma) { return restitution(ViscoelasticLaw{gamma}, v_mps); };
+  if (!(eps < 1.0 && eps > of(most))) return std::nullopt;
+  for (int k = 0; k < 60; ++k) {
+    const double middle = 0.5 * (least + most);
+    (of(middle) > eps ? least : most) = middle;
+  }
+  return 0.5 * (least + most);
+}
+
+/// Fifteen speeds from the slowest to the fastest, at equal ratios.
+std::vector<ScatterRow> scatter_rows(const LawFit& fit) {
+  constexpr int kRows = 15;
+  const double slowest = fit.curve.front().x, fastest = fit.curve.back().x;
+  std::vector<ScatterRow> rows;
+  for (int k = 0; k < kRows; ++k) {
+    const double v = slowest * pow(fastest / slowest, static_cast<double>(k) / (kRows - 1));
+    rows.push_back({v, mean_of(fit, v), fit.scatter->below(v), fit.scatter->above(v), fit.scatter->normal(v)});
+  }
+  return rows;
+}
+
+/// Greatest distance of a law from the root mean square over the speeds of the data.
+double distance(const LawFit& fit, const RestitutionLaw& law) {
+  double most = 0.0;
+  for (const CurvePoint& p : fit.curve)
+    most = std::max(most, std::abs(restitution(law, p.x) - rms_restitution(fit, p.x)));
+  return most;
+}
+
+}  // namespace
+
+double rms_restitution(const LawFit& fit, double v_mps) { return hypot(mean_of(fit, v_mps), sd_of(fit, v_mps)); }
+
+std::optional<DemExport> dem_export(const LawFit& fit, double v_mps, const std::optional<Ball>& ball,
+                                    const std::optional<Material>& plate, const MemoryFit* memory) {
+  if (!fit.law || fit.curve.empty()) return std::nullopt;
+  DemExport result;
+  result.v_mps = v_mps;
+  result.peak = restitution(*fit.law, v_mps);
+  result.mean = mean_of(fit, v_mps);
+  result.eps = rms_restitution(fit, v_mps);
+  if (!(result.eps > 0.0 && result.eps <= 1.0)) return std::nullopt;
+  const auto point = std::min_element(fit.curve.begin(), fit.curve.end(), [&](const auto& a, const auto& b) {
+    return std::abs(a.x - v_mps) < std::abs(b.x - v_mps);
+  });
+  result.se = point->se;
+  const double slowest = fit.curve.front().x, fastest = fit.curve.back().x;
+  const Decks base{dem_contact(ball, plate, v_mps), {}, v_mps, std::min(slowest, v_mps), std::max(fastest, v_mps)};
+  result.ball = base.contact.ball;
+  result.gamma = gamma_at(result.eps, v_mps);
+  const std::string at =
+      formatted("%.4f at %.3g m/s, root mean square: it keeps the energy that the impacts keep", result.eps, v_mps);
+  const std::string ball_line = "\nstiffness, size and mass: " + result.ball + "; friction 0.2 is an example";
+  Decks decks = base;
+  decks.about = "constant coefficient of restitution " + at + ball_line;
+  result.snippets = constant_decks(decks, result.eps);
+  result.warning =
+      formatted("a constant ε is right at %.3g m/s alone: ε goes from %.4f at %.3g m/s to %.4f at %.3g m/s", v_mps,
+                rms_restitution(fit, slowest), slowest, rms_restitution(fit, fastest), fastest);
+  if (v_mps < slowest || v_mps > fastest) result.warning += formatted("; %.3g m/s lies outside the data", v_mps);
+  const auto add = [&](std::vector<Snippet> more) {
+    result.snippets.insert(result.snippets.end(), more.begin(), more.end());
+  };
+  const double off_constant = distance(fit, ConstantLaw{result.eps});
+  const double off = result.gamma ? distance(fit, ViscoelasticLaw{*result.gamma}) : off_constant;
+  if (off < 0.5 * off_constant) {
+    decks.about = formatted("viscoelastic sphere, gamma = %.5g (m/s)^(-1/5), within %.2g of eps(v) everywhere\n",
+                            *result.gamma, off) +
+                  at + ball_line;
+    add(viscoelastic_decks(decks, *result.gamma));
+  } else {
+    result.gamma.reset();
+    result.warning += formatted(
+        "; no viscoelastic model: a sphere with that ε there is off by up to %.2g elsewhere, the constant by %.2g", off,
+        off_constant);
+  }
+  if (fit.scatter && fastest > slowest)
+    add(independent_samplers(scatter_rows(fit), "two exponentials with a normal part"));
+  if (memory && memory->law && !memory->curve.empty())
+    result.snippets.push_back(sampler_with_memory(*memory->law, memory->roughness.q.value, memory->curve.front().x,
+                                                  memory->curve.back().x, "law and q of the fit with memory"));
+  return result;
+}
+
+Table law_table(const LawFit& fit) {
+  std::vector<double> v, eps, lo, hi;
+  constexpr double kNotKnown = std::numeric_limits<double>::quiet_NaN();  // an empty cell
+  for (const CurvePoint& p : fit.curve) {
+    v.push_back(p.x);
+    eps.push_back(p.y);
+    lo.push_back(p.band95 ? p.band95->lo : kNotKnown);
+    hi.push_back(p.band95 ? p.band95->hi : kNotKnown);
+  }
+  return {{{"v_mps", std::move(v)}, {"eps", std::move(eps)}, {"lo95", std::move(lo)}, {"hi95", std::move(hi)}}};
+}
+
+}  // namespace bouncelab::fit

@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// `dem`: its inputs make a ball bounce as fitted in the codes themselves, where these are installed.
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "program.hpp"
+
+namespace bouncelab::cli_test {
+namespace {
+
+/// eps of a viscoelastic sphere (Mueller & Poeschel, Phys. Rev. E 84, 021302, doi:10.1103/PhysRevE.84.021302).
+double viscoelastic(double gamma, double v_mps) {
+  const double x = std::sqrt(gamma) * std::pow(v_mps, 0.1), numerator = 1 + 0.501086 * x;
+  return numerator / (numerator + 1.15345 * x * x + 0.577977 * x * x * x + 0.532178 * x * x * x * x);
+}
+
+constexpr double kGamma = 0.1;      // a ball that returns 0.9 of its speed
+constexpr double kScatter = 0.004;  // standard deviation of eps
+
+class DemCommand : public ProgramTest {
+ protected:
+  /// Samples of a viscoelastic sphere of steel on glass from 0.25 to 1.4 m/s, fitted.
+  void fit_viscoelastic_ball() const {
+    std::ofstream samples(folder_ / "s.csv");
+    samples << "recording,drop,v_mps,eps\n";
+    for (int k = 0; k < 400; ++k) {
+      const double v = 0.25 * std::pow(1.4 / 0.25, k / 399.0);
+      const double quantile = (k * 0.6180339887498949) - std::floor(k * 0.6180339887498949);  // evenly spread
+      samples << "r," << k / 10 << ',' << v << ','
+              << viscoelastic(kGamma, v) +
+                     kScatter / std::sqrt(2.0) *
+                         (quantile < 0.5 ? std::log(2 * quantile + 1e-3) : -std::log(2 - 2 * quantile + 1e-3))
+              << '\n';
+    }
+    samples.close();
+    // contact and drag are not in these numbers: no ball is named before the fit
+    const Result result = run(
+        "fit s.csv --ball steel:6mm --plate glass --goodness-replicates 0 --hand-off-speed 0.6 --out fit.json --quiet");
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+  }
+  nlohmann::json handed() const { return nlohmann::json::parse(content_of(folder_ / "fit.json")).at("hand_off"); }
+  std::string input(const std::string& code, const std::string& model) const {
+    const Result result = run("dem fit.json --code " + code + " --model " + model);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return result.out;
+  }
+  /// What a code prints as eps; `command` with INPUT and SPEED in it.
+  double bounced(const std::string& text, std::string command, const std::string& speed) const {
+    std::ofstream(folder_ / "ball.py") << text;  // Yade takes no other ending
+    command.replace(command.find("INPUT"), 5, "ball.py");
+    command.replace(command.find("SPEED"), 5, speed);
+    const std::string whole = "cd '" + folder_.path().string() + "' && " + command + " >printed 2>&1 </dev/null";
+    EXPECT_EQ(std::system(whole.c_str()), 0) << content_of(folder_ / "printed");
+    const std::string printed = content_of(folder_ / "printed");
+    const auto at = printed.rfind("\neps = ");
+    EXPECT_NE(at, std::string::npos) << printed;
+    return at == std::string::npos ? 0.0 : std::strtod(printed.c_str() + at + 7, nullptr);
+  }
+  void bounces_as_fitted(const std::string& code, const std::string& program, const std::string& command) const {
+    if (std::system(("command -v " + program + " >/dev/null").c_str()) != 0)
+      GTEST_SKIP() << program << " is not installed: tools/setup --bench";
+    fit_viscoelastic_ball();
+    const double eps = handed().at("eps"), gamma = handed().at("gamma");
+    for (const char* speed : {"0.3", "0.6", "1.2"}) {
+      const double v_mps = std::atof(speed);
+      // of a constant: one per cent, a tenth of what a bounce loses; found are 1e-3
+      EXPECT_NEAR(bounced(input(code, "constant"), command, speed), eps, 0.01 * eps) << speed;
+      // of the curve: its scatter; found are 1e-3, by the contacts' ends
+      EXPECT_NEAR(bounced(input(code, "viscoelastic"), command, speed), viscoelastic(gamma, v_mps), kScatter) << speed;
+    }
+  }
+};
+
+TEST_F(DemCommand, InputOfLammpsBouncesAsFitted) {
+  bounces_as_fitted("lammps", "lmp", "lmp -in INPUT -log none -var v SPEED");
+}
+TEST_F(DemCommand, InputOfLiggghtsBouncesAsFitted) {
+  bounces_as_fitted("liggghts", "liggghts", "liggghts -in INPUT -log none -var v SPEED");
+}
+TEST_F(DemCommand, InputOfYadeBouncesAsFitted) { bounces_as_fitted("yade", "yade", "yade -n -x INPUT SPEED"); }
+
+TEST_F(DemCommand, DrawsInCppAndPythonHaveTheMeanAndTheScatterOfTheSamples) {
+  fit_viscoelastic_ball();
+  const double mean = handed().at("mean"), eps = handed().at("eps");
+  std::ofstream(folder_ / "draw.cpp") << input("c++", "fluctuating") << R"(
+#include <cstdio>
+int main() {
+  std::mt19937 generator(1);
+  double sum = 0, squares = 0, fast = 0;
+  for (int k = 0; k < 100000; ++k) {
+    const double e = draw_restitution(0.6, generator);
+    sum += e / 1e5;
+    squares += e * e / 1e5;
+    fast += draw_restitution(30, generator) / 1e5;
+  }
+  std::printf("%.9f %.9f %.9f\n", sum, squares, fast);
+})";
+  std::ofstream(folder_ / "draw.py") << input("python", "fluctuating") << R"(
+e = draw_restitution(np.full(100000, 0.6), np.random.default_rng(1))
+fast = draw_restitution(np.full(100000, 30.0), np.random.default_rng(1))
+print('%.9f %.9f %.9f' % (e.mean(), (e**2).mean(), fast.mean()))
+)";
+  for (const char* command : {"c++ -O1 draw.cpp -o draw && ./draw", "python3 draw.py"}) {
+    if (std::string(command).starts_with("python3") && std::system("python3 -c 'import numpy' 2>/dev/null") != 0)
+      continue;
+    const std::string whole = "cd '" + folder_.path().string() + "' && (" + command + ") >drawn 2>&1";
+    ASSERT_EQ(std::system(whole.c_str()), 0) << content_of(folder_ / "drawn");
+    std::istringstream drawn(content_of(folder_ / "drawn"));
+    double sum = 0, squares = 0, fast = 0;
+    drawn >> sum >> squares >> fast;
+    EXPECT_NEAR(sum, mean, 5 * kScatter / std::sqrt(1e5)) << command;
+    EXPECT_NEAR(squares, eps * eps, 10 * kScatter / std::sqrt(1e5)) << command;
+    EXPECT_NEAR(fast, viscoelastic(kGamma, 1.4), kScatter) << command;  // clamped at the end of the data
+  }
+}
+
+TEST_F(DemCommand, SaysWhatAFitDoesNotHave) {
+  fit_viscoelastic_ball();
+  const Result none = run("dem fit.json --code mercurydpm --model viscoelastic");
+  EXPECT_EQ(none.exit_code, 1);
+  EXPECT_THAT(none.err, testing::HasSubstr("nothing viscoelastic for mercurydpm"));
+  std::ofstream(folder_ / "other.json") << "{}";
+  expect_one_line_error(run("dem other.json"), 3, {"other.json", "no fit.json"});
+  expect_one_line_error(run("dem missing.json"), 3, {"missing.json"});
+}
+
+}  // namespace
+}  // namespace bouncelab::cli_test
