@@ -48,6 +48,37 @@ TEST_F(Analyze, AnswersFirstInPlainWordsAndKeepsTheSoundForTheReport) {
   EXPECT_THAT(content_of(folder_ / "out" / "report.html"), testing::HasSubstr("\"wav_base64\":\"UklGR"));
 }
 
+TEST_F(Analyze, AgainReplacesItsOwnReportOfTheSameRecordingAndNothingElse) {
+  write("drop.wav", float_wav(bouncing(20), 44100));
+  ASSERT_EQ(run("analyze drop.wav").exit_code, 0);
+  EXPECT_EQ(run("analyze drop.wav --ball marble --diagnostics").exit_code, 0);
+  EXPECT_EQ(run("analyze drop.wav").exit_code, 0);
+  const fs::path report = folder_ / "drop-bouncelab" / "report.html";
+  const auto expect_refused = [&](const char* file) {
+    expect_one_line_error(run("analyze drop.wav"), 3, {file, "exists already", "--force"});
+  };
+  // whatever somebody has changed is theirs
+  for (const char* name : {"onsets.csv", "samples.csv", "fit.json", "wave.json", "summary.json", "report.html"}) {
+    const std::string file = std::string("drop-bouncelab/") + name, ours = content_of(folder_ / file);
+    write(file, ours + " ");
+    expect_refused("drop-bouncelab/onsets.csv");
+    EXPECT_TRUE(content_of(folder_ / file) == ours + " ") << name;
+    write(file, ours);
+  }
+  fs::rename(folder_ / "drop-bouncelab/report.html.meta.json", folder_ / "kept.json");
+  expect_refused("drop-bouncelab/onsets.csv");
+  fs::rename(folder_ / "kept.json", folder_ / "drop-bouncelab/report.html.meta.json");
+  EXPECT_EQ(run("analyze drop.wav").exit_code, 0);
+  const std::string of_drop = content_of(report);
+  // another recording of the same name, and another set of recordings
+  write("drop.wav", float_wav(bouncing(19), 44100));
+  expect_refused("drop-bouncelab/onsets.csv");
+  EXPECT_TRUE(content_of(report) == of_drop);
+  write("drop.wav", float_wav(bouncing(20), 44100));
+  write("more.wav", float_wav(bouncing(18), 44100));
+  expect_one_line_error(run("analyze drop.wav more.wav"), 3, {"exists already"});
+}
+
 TEST_F(Analyze, TheReportNeedsNoNetwork) {
   write("drop.wav", float_wav(bouncing(20), 44100));
   ASSERT_EQ(run("analyze drop.wav --out out").exit_code, 0);

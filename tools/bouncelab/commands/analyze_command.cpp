@@ -14,6 +14,7 @@
 #include "bouncelab/core/parallel.hpp"
 #include "bouncelab/report/detection.hpp"
 #include "stages/files/foreign_files.hpp"
+#include "stages/files/provenance.hpp"
 #include "stages/files/several_files.hpp"
 #include "stages/files/table_file.hpp"
 #include "stages/progress_line.hpp"
@@ -134,14 +135,23 @@ Outcome analyze_times(const std::vector<fs::path>& files, const loop::AnalyzeCon
   return write_analysis(found, config, files, files, read, folder, run);
 }
 
+/// The report of an earlier analysis of these recordings, which nobody has touched: it may be replaced unasked.
+bool is_own_report(const std::vector<fs::path>& outputs, const std::vector<fs::path>& recordings) {
+  return fs::exists(outputs.front()) && std::all_of(recordings.begin(), recordings.end(), [](const fs::path& recording) {
+           return !is_stream(recording) && fs::is_regular_file(recording);
+         }) && are_unchanged_and_of(outputs, recordings);
+}
+
 }  // namespace
 
-Outcome run_analyze(const AnalyzeOptions& options, const Run& run) {
+Outcome run_analyze(const AnalyzeOptions& options, const Run& asked) {
   const fs::path folder = options.out;
   const OutputFolder output_folder(folder);
   std::vector<fs::path> outputs;
   for (const char* name : kOutputs) outputs.push_back(folder / name);
   const std::vector<fs::path> given = recordings_of(options.detect);
+  Run run = asked;
+  run.common.force = run.common.force || is_own_report(outputs, given);
   check_files(run, given, outputs);
   std::vector<std::string> warnings;
   const std::vector<fs::path> files = each_once(given, run.common.n_threads, "recording", warnings);
