@@ -67,7 +67,8 @@ Outcome run_balls() {
       "hollow "
       "ball is its\nmass over its whole volume. Contact: how long it touches the floor at 1 m/s, by Hertz's theory or "
       "as "
-      "measured of such\nballs; of one's own: --ball table-tennis,contact-time=0.8ms\nWords of every day are known too:\n" +
+      "measured of such\nballs; of one's own: --ball table-tennis,contact-time=0.8ms\nWords of every day are known "
+      "too:\n" +
       everyday_words() + ";\na marble of another size: --ball marble:25mm\n\n";
   outcome.text += fmt::format("{:<17} {:>16} {:>8} {:>6} {:>11} {:>6}\n", "--plate", "density[kg/m^3]", "E[GPa]", "nu",
                               "loss factor", "Hertz");
