@@ -57,7 +57,8 @@ const std::map<std::string, const Description*>& all_described() {
                   named<loop::MemoryCalibrationGroup>("MemoryCalibrationGroup"),
                   named<loop::MemoryCalibrationRow>("MemoryCalibrationRow"), named<report::DropsSeen>("DropsSeen"),
                   named<report::SpeedAndRestitution>("SpeedAndRestitution"), named<report::PlainAnswer>("PlainAnswer"),
-                  named<report::FitInWords>("FitInWords"), named<report::Conclusion>("Conclusion"));
+                  named<report::Cause>("Cause"), named<report::FitInWords>("FitInWords"),
+                  named<report::Conclusion>("Conclusion"));
     described_structs["MemoryTests"] = &fit::members_of_tests();
     described_structs["Roughness"] = &fit::members_of_roughness();
     return described_structs;
