@@ -49,15 +49,10 @@ struct OtherName {
   std::string meant;
   std::optional<double> usual_diameter_m = std::nullopt;
 };
-const std::map<std::string, OtherName, std::less<>> kOtherNames{{"ping-pong", {"table-tennis"}},
-                                                                {"pingpong", {"table-tennis"}},
-                                                                {"soccer", {"football"}},
-                                                                {"pool", {"billiard"}},
-                                                                {"marble", {"glass", 0.016}},
-                                                                {"glass-marble", {"glass", 0.016}},
-                                                                {"bouncy", {"superball", 0.027}},
-                                                                {"aluminum", {"aluminium"}},
-                                                                {"silicon-carbide", {"sic"}}};
+const std::map<std::string, OtherName, std::less<>> kOtherNames{
+    {"ping-pong", {"table-tennis"}},  {"pingpong", {"table-tennis"}}, {"soccer", {"football"}},
+    {"pool", {"billiard"}},           {"marble", {"glass", 0.016}},   {"glass-marble", {"glass", 0.016}},
+    {"bouncy", {"superball", 0.027}}, {"aluminum", {"aluminium"}},    {"silicon-carbide", {"sic"}}};
 using Numbers = std::map<std::string, double, std::less<>>;
 
 [[noreturn]] void refuse(std::string_view kind, std::string_view text, const std::string& why) {
