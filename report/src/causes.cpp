@@ -83,10 +83,11 @@ Cause of_roughness(const FitResult& result) {
   cause.size = 2.0 * *row->spread_asperities;
   const double timing = std::max(row->spread_timing_stated.value_or(0.0), row->spread_timing_lag1.value_or(0.0));
   cause.is_seen = *row->spread_asperities > timing;
-  cause.sentence = cause.is_seen ? "the roughness of ball and floor: each bounce meets another spot, which turns some of "
-                                   "the motion into spin or back; two thirds of the bounces lie in a band of " +
-                                       size_text(*cause.size) + ", wider than errors of the times make it."
-                                 : "That ball or floor is rough is not seen: errors of the times explain the scatter.";
+  cause.sentence = cause.is_seen
+                       ? "the roughness of ball and floor: each bounce meets another spot, which turns some of "
+                         "the motion into spin or back; two thirds of the bounces lie in a band of " +
+                             size_text(*cause.size) + ", wider than errors of the times make it."
+                       : "That ball or floor is rough is not seen: errors of the times explain the scatter.";
   return cause;
 }
 
@@ -100,10 +101,10 @@ std::vector<Cause> causes_of(const FitResult& result, const PlainAnswer& answer,
   });
   for (std::size_t k = 0; k < causes.size(); ++k)
     if (causes[k].is_seen)
-      causes[k].sentence = (k == 0                                       ? "Mostly "
-                            : *causes[k].size > 0.5 * *causes[0].size    ? "Nearly as much "
-                            : *causes[k].size > 0.1 * *causes[0].size    ? "Less "
-                                                                         : "Hardly ") +
+      causes[k].sentence = (k == 0                                    ? "Mostly "
+                            : *causes[k].size > 0.5 * *causes[0].size ? "Nearly as much "
+                            : *causes[k].size > 0.1 * *causes[0].size ? "Less "
+                                                                      : "Hardly ") +
                            causes[k].sentence;
   return causes;
 }
