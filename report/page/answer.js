@@ -42,7 +42,7 @@ function firstScreen() {
   section.append(words);
   if (answer) {
     const [lead, ...rest] = answer.sentences;
-    words.append(element('p', {class: 'lead'}, lead), ...rest.map(s => element('p', {}, s)));
+    words.append(element('p', {class: 'lead'}, lead), ...[...rest, ...(answer.doubt ? [withoutPaths(answer.doubt)] : [])].map(s => element('p', {}, s)));
     if (explanations(answer)) words.append(element('p', {class: 'caption'}, explanations(answer)));
   }
   const hasCurve = answerCurve(fit).length;
@@ -50,8 +50,21 @@ function firstScreen() {
     const places = figure('law', 'ε against impact speed', lawCaption(), section);
     drawLaw(places);
   }
+  if ((fit.causes || []).length) add('div', {}, causesBox(fit.causes));
   if (answer) recordingRows(page, answer);
   if (wave && wave.envelope) drawSound();
+}
+
+/// Why eps is not the same at every bounce: three sentences and how large each cause is, drawn to one scale.
+function causesBox(causes) {
+  const most = Math.max(...causes.map(c => c.size ?? 0));
+  const bars = causes.map(c => {
+    const bar = element('i', c.is_seen ? {class: 'seen'} : {});
+    bar.style.width = known(c.size) && most > 0 ? `${100 * c.size / most}%` : '0';
+    return element('div', {}, element('span', {}, c.name), element('span', {class: 'bar'}, bar), element('span', {}, known(c.size) ? number(c.size, 2) + (c.is_seen ? '' : ', not seen') : 'not known'));
+  });
+  return element('section', {class: 'causes', id: 'causes', 'aria-labelledby': 'causes-title'}, element('h2', {id: 'causes-title'}, 'Why is it not the same at every bounce?'),
+                 causes.map(c => element('p', {}, c.sentence)), element('div', {class: 'bars'}, bars), element('p', {class: 'caption'}, 'How much each changes ε in this recording.'));
 }
 
 function lawCaption() {

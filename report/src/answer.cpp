@@ -8,12 +8,25 @@
 
 namespace bouncelab::report {
 
-FitInWords in_words(const fit::FitResult& result, const RestitutionSamples& samples, fit::UseMemory memory) {
-  FitInWords words{plain_answer(result, samples), {}, {}, findings_of(result)};
+FitInWords in_words(const fit::FitResult& result, const RestitutionSamples& samples, fit::UseMemory memory, bool pool) {
+  FitInWords words{plain_answer(result, samples, pool), {}, {}, {}, findings_of(result)};
+  words.causes = causes_of(result, words.answer, samples);
   warn(result, samples, words);
   if (memory == fit::UseMemory::always && result.memory && !result.memory->holds)
     words.warnings.insert(words.warnings.begin(), in_words(*result.memory));
   return words;
+}
+
+void choose_doubt(const std::vector<std::string>& warnings, FitInWords& words) {
+  const auto first = std::find_if(warnings.begin(), warnings.end(), [&](const std::string& warning) {
+    return words.answer.at || warning.find("do not agree") == std::string::npos;  // which the answer says
+  });
+  if (first == warnings.end() || words.answer.sentences.empty()) return;
+  std::string& doubt = words.answer.doubt = *first;
+  if (const auto flag = doubt.find(" (flag "); flag != std::string::npos)  // which is in the tables only
+    doubt.erase(flag, doubt.find(')', flag) + 1 - flag);
+  doubt.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(doubt.front())));
+  if (doubt.back() != '.' && doubt.back() != '?') doubt += '.';
 }
 
 void withhold_answer(const std::string& why, FitInWords& words) {
@@ -23,6 +36,7 @@ void withhold_answer(const std::string& why, FitInWords& words) {
   std::string& sentence = none.sentences.front();
   sentence.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(sentence.front())));
   words.answer = std::move(none);
+  words.causes.clear();
 }
 
 void keep_three(std::vector<std::string>& warnings, FitInWords& words) {
@@ -71,6 +85,7 @@ const Description& members_of(const PlainAnswer*) {
   static const Description all{
       result("sentences", &A::sentences,
              "Texts, most important first: what `fit` and `analyze` print first and the report begins with"),
+      result("doubt", &A::doubt, "What makes it uncertain, a sentence or empty"),
       result("at", &A::at,
              "`null` (nothing could be fitted, or recordings do not agree), or ε at the node in the middle, see "
              "below"),
@@ -86,6 +101,18 @@ const Description& members_of(const PlainAnswer*) {
   return all;
 }
 
+const Description& members_of(const Cause*) {
+  using C = Cause;
+  static const Description all{
+      result("name", &C::name, "`speed`, `air` or `roughness`"),
+      result("size", &C::size,
+             "How much it changes ε in these data: from the least to the greatest node; by the air, likewise, in the "
+             "intervals; the width of the band that holds two thirds of the bounces. `null`: not known"),
+      result("is_seen", &C::is_seen, "The data show it, or the named ball tells it"),
+      result("sentence", &C::sentence, "In words")};
+  return all;
+}
+
 const Description& members_of(const Finding*) {
   static const Description all{result("question", &Finding::question, "Question of a reader"),
                                result("answer", &Finding::answer, "Its answer from the numbers")};
@@ -98,6 +125,7 @@ const Description& members_of(const FitInWords*) {
       result("answer", &W::answer, "The result for somebody who dropped a ball, see [below](#answer)"),
       result("warnings", &W::warnings, "Texts: what may make another answer, at most three"),
       result("details", &W::details, "Texts: what else is to be said, of the constants for instance"),
+      result("causes", &W::causes, "Why ε is not the same at every bounce: three, the largest first, see below"),
       result(
           "answers", &W::findings,
           "`[{question, answer}]`: five questions of a reader, with several recordings and with a fit with memory one "

@@ -44,11 +44,13 @@ Values not_used_of(const std::vector<CampaignRecording>& recordings) {
 
 }  // namespace
 
-Object object_of(const BetweenRecordings& between, const std::vector<CampaignRecording>& recordings) {
+Object object_of(const BetweenRecordings& between, const std::vector<CampaignRecording>& recordings,
+                 const std::optional<GroupDifferences>& differences) {
   Object all{{"status", to_string(between.status)},
              {"message", between.message},
-             {"answer", value_of(in_words(between, recordings))}};
+             {"answer", value_of(in_words(between, recordings, differences))}};
   append(all, bouncelab::object_of(members_of(&between), &between));
+  all.emplace_back("differences", value_of(differences));
   all.emplace_back("outliers", outliers_of(between, recordings));
   all.emplace_back("not_used", not_used_of(recordings));
   return all;

@@ -7,6 +7,7 @@
 
 #include "bouncelab/core/text.hpp"
 #include "bouncelab/report/comparison.hpp"
+#include "words.hpp"
 
 namespace bouncelab::report {
 using namespace fit;
@@ -94,11 +95,41 @@ std::string of_few_plates(const Grouping& plates) {
                    fit::in_words(difference, se).c_str());
 }
 
+/// "glass and wood differ by more than drops of one plate do: ..."
+std::string of_difference(const GroupDifference& row, GroupUnit unit, bool are_plates) {
+  const std::string &a = row.reference, &b = row.group;
+  const bool is_greater = row.offset.value > 0.0;
+  Estimate size = row.offset;
+  size.value = std::abs(size.value);
+  if (!is_greater) size.ci95 = {-row.offset.ci95->hi, -row.offset.ci95->lo};
+  const std::string higher = "ε of " + printable(is_greater ? b : a) + " is " + fit::in_words(size.value, size.se) +
+                             " (95 %: " + interval_in_words(size) + ") above that of " + printable(is_greater ? a : b);
+  const std::string of_one = std::string(to_string(unit)) + (are_plates ? " of one plate" : " of one recording");
+  if (!row.p_value)
+    return higher + ". Whether " + of_one +
+           " differ as much is not known: there is one each; drop the ball several "
+           "times on each.";
+  if (*row.p_value < kUnlikely)
+    return printable(a) + " and " + printable(b) + " differ by more than " + of_one + " do (" +
+           p_in_words(*row.p_value) + "): " + higher + ".";
+  return "That " + printable(a) + " and " + printable(b) + " differ by more than " + of_one + " do is not seen (" +
+         p_in_words(*row.p_value) + "): " + higher +
+         formatted("; a difference of %.2g would be seen in four of five such experiments.", row.detectable);
+}
+
 }  // namespace
 
-std::vector<std::string> in_words(const BetweenRecordings& between, const std::vector<CampaignRecording>& recordings) {
-  if (between.status != FitStatus::ok) return {between.message + "."};
+std::vector<std::string> in_words(const BetweenRecordings& between, const std::vector<CampaignRecording>& recordings,
+                                  const std::optional<GroupDifferences>& differences) {
   std::vector<std::string> sentences;
+  if (differences) {
+    const bool are_plates = std::any_of(recordings.begin(), recordings.end(),
+                                        [](const CampaignRecording& r) { return !r.origin.plate.empty(); });
+    for (const GroupDifference& row : differences->rows)
+      sentences.push_back(of_difference(row, differences->unit, are_plates));
+    if (!differences->message.empty()) sentences.push_back("No difference is stated: " + differences->message + ".");
+  }
+  if (between.status != FitStatus::ok) return sentences.empty() ? std::vector{between.message + "."} : sentences;
   sentences.push_back(formatted("ε = %s at %.2g m/s over %s; one more recording would have %.5f to %.5f (95 %%).",
                                 fit::in_words(between.eps.value, between.eps.se).c_str(), between.v_mps,
                                 n_recordings(between.n_used - between.n_outliers).c_str(), between.prediction95.lo,
@@ -106,8 +137,8 @@ std::vector<std::string> in_words(const BetweenRecordings& between, const std::v
   sentences.push_back(of_tau(between));
   sentences.push_back(of_drift(between));
   sentences.push_back(of_outliers(between, recordings));
-  for (std::string sentence :
-       {of_few_plates(between.plates), of_groups(between.plates, "plate"), of_groups(between.days, "day")})
+  for (std::string sentence : {differences ? std::string() : of_few_plates(between.plates),
+                               of_groups(between.plates, "plate"), of_groups(between.days, "day")})
     if (!sentence.empty()) sentences.push_back(std::move(sentence));
   if (between.shapes.ndf > 0.0 && between.shapes.p_value < 0.001 &&
       between.shapes.chi2 > kMoreThanErrorsOfErrors * between.shapes.ndf)

@@ -78,17 +78,15 @@ bool differs(const FitResult& result, const std::vector<NodeEstimate>& nodes, co
   return std::abs(b.value - a.value) > kSeen * std::sqrt(std::max(0.0, variance));
 }
 
-/// What most of the uncertainty is, and what would shrink it: a clause; empty where it is the ball's own scatter.
+/// What most of the uncertainty is, and what would shrink it; empty where it is the ball's own scatter.
 std::string largest_part(const FitResult& result, bool ball_is_named) {
   if (!result.averaged) return "";
   constexpr double kMost = 0.5;
   const double drag = result.averaged->share_of_drag, contact = result.averaged->share_of_contact;
   if (std::max(drag, contact) < kMost) return "";
-  if (drag > contact)
-    return ball_is_named ? "; how strongly the air slows the ball is most of this"
-                         : "; air drag of an unknown ball is most of this: name the ball to narrow it";
-  return ball_is_named ? "; how long the ball touches the floor is most of this"
-                       : "; how long an unknown ball touches the floor is most of this: name the ball to narrow it";
+  return std::string("Most of the uncertainty is ") +
+         (drag > contact ? "how strongly the air slows the ball" : "how long the ball touches the floor") +
+         (ball_is_named ? "." : ": name the ball to narrow it (--ball).");
 }
 
 /// The node that most recordings reach; the middle one of equals.
@@ -134,7 +132,7 @@ std::string of_step(const RestitutionStep& step, int decimals) {
   return text + ": did the ball reach another surface?";
 }
 
-std::string of_value(const PlainAnswer& answer, const FitResult& result, bool ball_is_named) {
+std::string of_value(const PlainAnswer& answer, const FitResult& result) {
   const SpeedAndRestitution& at = *answer.at;
   std::string text = "ε = " + with_interval(at.eps) + " at " + speed(at.v_mps);
   const auto& nodes = quoted_nodes(result);
@@ -149,7 +147,7 @@ std::string of_value(const PlainAnswer& answer, const FitResult& result, bool ba
     verb = " and ";
   }
   if (answer.with_memory) text += " (by the fit with memory)";
-  return text + largest_part(result, ball_is_named) + ".";
+  return text + ".";
 }
 
 /// With one decimal where the standard error, 2 eps se, warrants it.
@@ -165,21 +163,24 @@ std::string why_not_of_peak(const SpeedAndRestitution& at) {
              : ", by the mean of ε²: the ε above is the peak of its distribution";
 }
 
-/// Where recordings differ by more than chance: their range instead of a value.
-std::string of_range(const PlainAnswer& answer) {
+/// Where recordings differ by more than chance, or cannot be compared: their range instead of a value.
+std::string of_range(const PlainAnswer& answer, bool differ) {
   const RecordingAnswer *least = nullptr, *greatest = nullptr;
   for (const RecordingAnswer& r : answer.recordings) {
     if (!r.at) continue;
     if (!least || r.at->eps.value < least->at->eps.value) least = &r;
     if (!greatest || r.at->eps.value > greatest->at->eps.value) greatest = &r;
   }
-  std::string text = formatted("The %zu recordings differ by more than chance: ", answer.recordings.size());
+  std::string text = formatted(differ ? "The %zu recordings differ by more than chance: "
+                                      : "Whether the %zu recordings agree cannot be told, too few bounces of each: ",
+                               answer.recordings.size());
   if (least)
     text += "ε runs from " + rounded(least->at->eps.value, decimals_for(least->at->eps)) + " (" +
             file_name(least->recording) + ", " + speed(least->at->v_mps) + ") to " +
             rounded(greatest->at->eps.value, decimals_for(greatest->at->eps)) + " (" + file_name(greatest->recording) +
             ", " + speed(greatest->at->v_mps) + "); ";
-  return text + "each has a value of its own, one for all of them would belong to no ball.";
+  return text + (differ ? "each has a value of its own, one for all of them would belong to no ball."
+                        : "each has a value of its own (--pool makes one of all).");
 }
 
 /// "dropped from about 5 cm; 52 impacts in 8.2 s"
@@ -215,11 +216,24 @@ std::string interval_in_words(const Estimate& e) {
   return rounded(e.ci95->lo, decimals) + " to " + rounded(e.ci95->hi, decimals);
 }
 
-PlainAnswer plain_answer(const FitResult& result, const RestitutionSamples& samples) {
+const std::vector<NodeEstimate>& nodes_of(const FitResult& result, bool with_memory) {
+  if (with_memory) return result.memory->nodes;
+  return result.averaged ? result.averaged->nodes : result.law.nodes;
+}
+
+std::string in_words(const RecordingAnswer& recording) {
+  const std::string name = file_name(recording.recording) + ": ";
+  return recording.at ? name + "ε = " + with_interval(recording.at->eps) + " at " + speed(recording.at->v_mps)
+                      : name + recording.missing;
+}
+
+PlainAnswer plain_answer(const FitResult& result, const RestitutionSamples& samples, bool pool) {
   PlainAnswer answer;
   answer.seen = drops_seen(samples);
   answer.recordings = answers_by_recording(result, samples);
-  const bool pooled = (usable(result) || result.averaged) && !disagree(result.recordings);
+  const bool is_fitted = usable(result) || result.averaged;
+  const bool agree = answer.recordings.empty() || (result.recordings.test && !disagree(result.recordings));
+  const bool pooled = is_fitted && (pool || agree);
   if (pooled) {
     answer.with_memory = memory_holds(result);
     const auto& nodes = quoted_nodes(result);
@@ -229,7 +243,8 @@ PlainAnswer plain_answer(const FitResult& result, const RestitutionSamples& samp
     answer.one_value = nodes.size() == 1;
     for (const std::size_t k : {nodes.size() - 1, std::size_t{0}})
       if (differs(result, nodes, correlation, k)) answer.elsewhere.push_back(at_node(nodes[k], result.law));
-    answer.sentences.push_back(of_value(answer, result, !samples.empty() && samples.front().conditions.ball));
+    answer.sentences.push_back(of_value(answer, result));
+    answer.doubt = largest_part(result, !samples.empty() && samples.front().conditions.ball);
     if (result.averaged && result.averaged->step)
       answer.sentences.push_back(of_step(*result.averaged->step, decimals_for(answer.at->eps)));
     if (answer.at->eps.value > 0.0 && answer.at->eps.value < 1.0)
@@ -237,7 +252,7 @@ PlainAnswer plain_answer(const FitResult& result, const RestitutionSamples& samp
                                  " % of the energy of its motion up and down is lost in each bounce" +
                                  " at that speed" + why_not_of_peak(*answer.at) + ".");
   } else {
-    answer.sentences.push_back(disagree(result.recordings) ? of_range(answer) : of_missing(result, samples));
+    answer.sentences.push_back(is_fitted ? of_range(answer, disagree(result.recordings)) : of_missing(result, samples));
   }
   if (std::string drops = of_drops(answer.seen, answer.recordings.empty()); !drops.empty())
     answer.sentences.push_back(std::move(drops));

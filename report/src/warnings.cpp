@@ -63,10 +63,9 @@ void warn_of_law(const FitResult& result, std::vector<std::string>& warnings) {
                             : "standard errors may be too small"));
   }
   if (!law.outliers.empty())
-    warnings.push_back(
-        formatted("%zu sample%s further from ε(v) than the scatter can put one and left out, of the histograms too: "
-                  "missed or invented impacts?",
-                  law.outliers.size(), law.outliers.size() == 1 ? " is" : "s are"));
+    warnings.push_back(formatted(
+        "%zu bounce%s too far from ε(v) for the scatter of the others and left out: missed or invented impacts?",
+        law.outliers.size(), law.outliers.size() == 1 ? " is" : "s are"));
 }
 
 /// Where the noise that neighbouring samples share is not what the detector states.

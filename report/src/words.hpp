@@ -13,7 +13,13 @@ inline constexpr std::size_t kMostWarnings = 3;
 void warn(const fit::FitResult& result, const RestitutionSamples& samples, FitInWords& words);
 /// "0.947 to 0.951": the 95 % interval, which must be there.
 std::string interval_in_words(const fit::Estimate& e);
-PlainAnswer plain_answer(const fit::FitResult& result, const RestitutionSamples& samples);
+/// @param pool  one answer for all recordings, whether they agree or not
+PlainAnswer plain_answer(const fit::FitResult& result, const RestitutionSamples& samples, bool pool);
+/// The nodes that the answer is of: of the fit with memory where it holds, else the average over laws, else the law's.
+const std::vector<fit::NodeEstimate>& nodes_of(const fit::FitResult& result, bool with_memory);
+/// Speed, air and roughness, the largest that is seen first; none without an answer.
+std::vector<Cause> causes_of(const fit::FitResult& result, const PlainAnswer& answer,
+                             const RestitutionSamples& samples);
 /// The questions that a reader brings (five; with several recordings whether they agree, with memory whether the
 /// fluctuations remember), answered in a sentence or two from the numbers of the result.
 std::vector<Finding> findings_of(const fit::FitResult& result);

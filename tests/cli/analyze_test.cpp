@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "program.hpp"
 #include "wav.hpp"
@@ -47,6 +48,74 @@ TEST_F(Analyze, AnswersFirstInPlainWordsAndKeepsTheSoundForTheReport) {
   const auto n_samples = static_cast<std::size_t>(std::lround(22050.0 * sound["duration_s"].get<double>()));
   EXPECT_EQ(wav.size(), (44 + 2 * n_samples + 2) / 3 * 4);
   EXPECT_THAT(content_of(folder_ / "out" / "report.html"), testing::HasSubstr("\"wav_base64\":\"UklGR"));
+}
+
+TEST_F(Analyze, AgainReplacesItsOwnReportOfTheSameRecordingAndNothingElse) {
+  write("drop.wav", float_wav(bouncing(20), 44100));
+  ASSERT_EQ(run("analyze drop.wav").exit_code, 0);
+  EXPECT_EQ(run("analyze drop.wav --ball marble --diagnostics").exit_code, 0);
+  EXPECT_EQ(run("analyze drop.wav").exit_code, 0);
+  const fs::path report = folder_ / "drop-bouncelab" / "report.html";
+  const auto expect_refused = [&](const char* file) {
+    expect_one_line_error(run("analyze drop.wav"), 3, {file, "exists already", "--force"});
+  };
+  // whatever somebody has changed is theirs
+  for (const char* name : {"onsets.csv", "samples.csv", "fit.json", "wave.json", "summary.json", "report.html"}) {
+    const std::string file = std::string("drop-bouncelab/") + name, ours = content_of(folder_ / file);
+    write(file, ours + " ");
+    expect_refused("drop-bouncelab/onsets.csv");
+    EXPECT_TRUE(content_of(folder_ / file) == ours + " ") << name;
+    write(file, ours);
+  }
+  fs::rename(folder_ / "drop-bouncelab/report.html.meta.json", folder_ / "kept.json");
+  expect_refused("drop-bouncelab/onsets.csv");
+  fs::rename(folder_ / "kept.json", folder_ / "drop-bouncelab/report.html.meta.json");
+  EXPECT_EQ(run("analyze drop.wav").exit_code, 0);
+  const std::string of_drop = content_of(report);
+  // another recording of the same name, and another set of recordings
+  write("drop.wav", float_wav(bouncing(19), 44100));
+  expect_refused("drop-bouncelab/onsets.csv");
+  EXPECT_TRUE(content_of(report) == of_drop);
+  write("drop.wav", float_wav(bouncing(20), 44100));
+  write("more.wav", float_wav(bouncing(18), 44100));
+  expect_one_line_error(run("analyze drop.wav more.wav"), 3, {"exists already"});
+}
+
+TEST_F(Analyze, SaysTheAnswerThenOneDoubtAtMostThenWhereTheReportIs) {
+  write("drop.wav", float_wav(bouncing(12, 0.85, 0.6), 44100));
+  const auto lines_of = [](const std::string& text) {
+    std::vector<std::string> lines;
+    std::istringstream in(text);
+    for (std::string line; std::getline(in, line);) lines.push_back(line);
+    return lines;
+  };
+  const Result wrong = run("analyze drop.wav --drop-height 61.1 --ball marble");
+  EXPECT_EQ(wrong.err, "");
+  const std::vector<std::string> lines = lines_of(wrong.out);
+  ASSERT_EQ(lines.size(), 5u) << wrong.out;  // value, energy, drops, doubt, report
+  EXPECT_THAT(lines[0], testing::StartsWith("ε = 0.8"));
+  EXPECT_THAT(lines[3], testing::StartsWith("--drop-height 61.1 m contradicts"));
+  EXPECT_THAT(lines[4], testing::AllOf(testing::StartsWith("Report: "), testing::EndsWith("report.html")));
+  // one number for one thing
+  std::size_t n_eps = 0;
+  for (std::size_t at = 0; (at = wrong.out.find("ε = ", at)) != std::string::npos; ++at) ++n_eps;
+  EXPECT_EQ(n_eps, 1u) << wrong.out;
+  // what else there is to say is kept
+  EXPECT_THAT(content_of(folder_ / "drop-bouncelab" / "summary.json"), testing::HasSubstr("61.1 m contradicts"));
+}
+
+TEST_F(Analyze, OfThreeClipsTogetherARowForEachAndOneAnswerIfTheyAgreeOrAreAskedTo) {
+  write("a.wav", float_wav(bouncing(20, 0.9), 44100));
+  write("b.wav", float_wav(bouncing(19, 0.9), 44100));
+  write("c.wav", float_wav(bouncing(20, 0.8), 44100));
+  const Result unlike = run("analyze a.wav b.wav c.wav --out o");
+  EXPECT_THAT(unlike.out, testing::StartsWith("The 3 recordings differ by more than chance"));
+  for (const char* row : {"\n  a.wav: ε = 0.9", "\n  b.wav: ε = 0.9", "\n  c.wav: ε = 0.8"})
+    EXPECT_THAT(unlike.out, testing::HasSubstr(row));
+  const Result pooled = run("analyze a.wav b.wav c.wav --out o --pool");
+  EXPECT_THAT(pooled.out, testing::StartsWith("ε = "));
+  EXPECT_THAT(pooled.out, testing::HasSubstr("\nThe 3 recordings do not agree"));
+  EXPECT_THAT(pooled.out, testing::HasSubstr("\nEach recording alone:\n  a.wav: "));
 }
 
 TEST_F(Analyze, TheReportNeedsNoNetwork) {
@@ -121,7 +190,7 @@ TEST_F(Analyze, ThreeImpactsAreADropThatIsKeptWithAWarning) {
   write("drop.wav", float_wav(bouncing(20), 44100));
   const Result result = run("analyze three.wav drop.wav --out out");
   EXPECT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_THAT(result.err, testing::HasSubstr("warning: 1 of 2 drops is doubtful, odds below 10 to 1 for a bouncing "
+  EXPECT_THAT(result.out, testing::HasSubstr("\n1 of 2 drops is doubtful, odds below 10 to 1 for a bouncing "
                                              "ball: three.wav at 0.3 s ("));
   const Json summary = Json::parse(content_of(folder_ / "out" / "summary.json"));
   EXPECT_EQ(summary["n_drops"], 2);

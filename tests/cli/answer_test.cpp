@@ -83,9 +83,9 @@ TEST_F(Answer, WarnsOfAHeightInCentimetresAndKeepsTheSamples) {
   write("drop.wav", float_wav(bouncing(12, 0.85, 0.6), 44100));
   const Result right = run("analyze drop.wav --out right --drop-height 0.611");
   const Result wrong = run("analyze drop.wav --out wrong --drop-height 61.1");
-  EXPECT_THAT(wrong.err, testing::HasSubstr("--drop-height"));
-  EXPECT_THAT(wrong.err, testing::HasSubstr("61.1 m"));
-  EXPECT_THAT(right.err, testing::Not(testing::HasSubstr("--drop-height")));
+  EXPECT_THAT(wrong.out, testing::HasSubstr("--drop-height"));
+  EXPECT_THAT(wrong.out, testing::HasSubstr("61.1 m"));
+  EXPECT_THAT(right.out, testing::Not(testing::HasSubstr("--drop-height")));
   const auto eps_of = [&](const char* folder) {
     return Json::parse(content_of(folder_ / folder / "fit.json")).at("answer").at("at").at("eps").get<double>();
   };

@@ -7,6 +7,7 @@
 #include "bouncelab/core/random.hpp"
 #include "bouncelab/core/restitution_law.hpp"
 #include "program.hpp"
+#include "wav.hpp"
 
 namespace bouncelab::cli_test {
 namespace {
@@ -103,12 +104,63 @@ TEST_F(CompareCommand, NamesRecordingsThatCannotBeUsed) {
   EXPECT_THAT(comparison().at("not_used").at(0).at("message").get<std::string>(), testing::HasSubstr("at least 8"));
 }
 
+/// Drops of `bouncing` one behind the other.
+std::string sound_of(int n_drops, double eps) {
+  std::vector<float> all;
+  for (int d = 0; d < n_drops; ++d) {
+    const std::vector<float> one = bouncing(14, eps + 0.001 * (d % 2));
+    all.insert(all.end(), one.begin(), one.end());
+    all.insert(all.end(), 22050, 0.0F);
+  }
+  return float_wav(all, 44100);
+}
+
+TEST_F(CompareCommand, TwoSoundsOnTwoPlatesAreAnalysedAndToldApart) {
+  write("glass.wav", sound_of(3, 0.90));
+  write("wood.wav", sound_of(3, 0.80));
+  const Result result = run("compare glass.wav wood.wav --ball marble --out o");
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out, testing::StartsWith("glass.wav and wood.wav differ by more than drops of one recording do"));
+  const auto d = comparison().at("differences");
+  EXPECT_EQ(d.at("unit"), "drops");
+  EXPECT_EQ(d.at("ndf"), 4.0);
+  const auto& row = d.at("rows").at(0);
+  EXPECT_NEAR(row.at("offset").at("value").get<double>(), -0.1, 2e-3);  // drops differ by 1e-3
+  EXPECT_LT(row.at("p_value"), 1e-4);
+  EXPECT_EQ(row.at("nodes").size(), 3u);
+  EXPECT_TRUE(row.contains("A2") && row.contains("A5"));
+  EXPECT_THAT(content_of(folder_ / "o/report.html"), testing::HasSubstr("differ by more than drops"));
+}
+
+TEST_F(CompareCommand, OneDropEachSaysThatDropsOfOneMayDifferAsMuch) {
+  write("glass.wav", sound_of(1, 0.90));
+  write("wood.wav", sound_of(1, 0.80));
+  const Result result = run("compare glass.wav wood.wav --out o");
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out, testing::HasSubstr("there is one each; drop the ball several times"));
+  EXPECT_TRUE(comparison().at("differences").at("rows").at(0).at("p_value").is_null());
+}
+
+TEST_F(CompareCommand, NamesRowsWithoutARecordingAndRecordingsWithoutARow) {
+  write("glass.wav", sound_of(2, 0.90));
+  write("wood.wav", sound_of(2, 0.80));
+  write("other.wav", sound_of(2, 0.85));
+  write("g.csv", "recording,plate\nglass.wav,window\nwood.wav,table\nlost.wav,table\n");
+  const Result result = run("compare ./glass.wav wood.wav other.wav --groups g.csv --out o");
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.err, testing::HasSubstr("1 of the 3 recordings of g.csv has no samples: 'lost.wav'"));
+  EXPECT_THAT(result.err, testing::HasSubstr("1 of the 3 recordings has no row in g.csv: 'other.wav'"));
+  const auto row = comparison().at("differences").at("rows").at(0);
+  EXPECT_EQ(row.at("reference"), "table");
+  EXPECT_EQ(row.at("group"), "window");
+}
+
 TEST_F(CompareCommand, BadInputGetsOneLine) {
   write_samples();
   expect_one_line_error(run("compare none.csv --out o"), 3, {"none.csv", "no such file"});
   expect_one_line_error(run("compare s.csv"), 2, {"--out"});
   write("few.csv", "recording,v_mps,eps\na,0.5,0.97\nb,0.5,0.98\n");
-  expect_one_line_error(run("compare few.csv --out few --quiet"), 1, {"few.csv", "0 of 2 recordings", "at least 4"});
+  expect_one_line_error(run("compare few.csv --out few --quiet"), 1, {"a has 1 usable samples", "at least 3"});
   write("mixed.csv", "recording,v_mps,eps\na,0.5,0.97\nb,0.5,0.98\na,0.5,0.97\n");
   expect_one_line_error(run("compare mixed.csv --out o"), 3, {"mixed.csv", "'a'", "sort"});
   write("dates.csv", "recording,date\n" + name_of(0) + ",2026-02-30\n");

@@ -167,7 +167,7 @@ TEST_F(ForeignFiles, GapsOfAContainersTimeStampsAreKept) {
     EXPECT_EQ(found.at("n_onsets"), 12) << name;
     EXPECT_EQ(found.at("n_gaps"), 6) << name;
     EXPECT_NEAR(found.at("eps_median").get<double>(), kEps, 1e-3) << name;
-    EXPECT_THAT(result.err, AllOf(HasSubstr("have 6 gaps"), HasSubstr("6 gaps of the time stamps between impacts")));
+    EXPECT_THAT(result.out, AllOf(HasSubstr("have 6 gaps"), HasSubstr("6 gaps of the time stamps between impacts")));
   }
 }
 

@@ -99,7 +99,9 @@ TEST_F(Usage, ARecordingAloneIsAnalyzedBesideItself) {
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_TRUE(fs::exists(folder_ / "sound/drop-bouncelab/report.html"));
   EXPECT_THAT(content_of(folder_ / "sound/drop-bouncelab/fit.json.meta.json"), testing::HasSubstr("drop-bouncelab"));
-  // a second time nothing is overwritten unasked
+  // a second time its own report is replaced, and what somebody has changed is not
+  EXPECT_EQ(run("sound/drop.wav --quiet").exit_code, 0);
+  write("sound/drop-bouncelab/onsets.csv", "mine");
   expect_one_line_error(run("sound/drop.wav --quiet"), 3, {"drop-bouncelab", "--force"});
   EXPECT_EQ(run("sound/drop.wav --quiet --force").exit_code, 0);
 }

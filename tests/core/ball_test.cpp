@@ -78,6 +78,20 @@ TEST(BallCatalogue, ASizeIsADiameterUnlessSaidOtherwise) {
             "glass:16mm (diameter 16 mm, radius 8 mm, mass 5.362 g, J = 0.4 m R^2)");
 }
 
+TEST(BallCatalogue, WordsOfEveryDayAskNothing) {
+  EXPECT_EQ(to_text(ball_from_text("marble")), "glass:16mm");
+  EXPECT_EQ(to_text(ball_from_text("marble:25mm")), "glass:25mm");
+  EXPECT_EQ(to_text(ball_from_text("Glass marble")), "glass:16mm");
+  for (const char* word : {"bouncy ball", "bouncy-ball", "Bouncy_Ball", "bouncy"})
+    EXPECT_EQ(to_text(ball_from_text(word)), "superball:27mm") << word;
+  for (const char* word : {"ping-pong", "ping pong ball", "table tennis ball", "Table-Tennis"})
+    EXPECT_EQ(to_text(ball_from_text(word)), "table-tennis") << word;
+  EXPECT_EQ(to_text(ball_from_text("soccer ball")), "football");
+  EXPECT_EQ(to_text(ball_from_text("tennis ball")), "tennis");
+  EXPECT_EQ(to_text(ball_from_text("pool ball")), "billiard");
+  EXPECT_THROW(plate_from_text("marble"), InvalidArgument);  // the stone, which is not in the catalogue
+}
+
 TEST(BallCatalogue, NumbersAloneMakeABall) {
   const Ball shell = ball_from_text("radius=20mm,mass=2.7g,inertia=0.667");
   EXPECT_NEAR(mass_kg(shell), 2.7e-3, 2.7e-3 * kRounding);

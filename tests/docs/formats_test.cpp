@@ -14,6 +14,7 @@
 
 #include "bouncelab/fit/between_recordings.hpp"
 #include "bouncelab/fit/calibration.hpp"
+#include "bouncelab/fit/group_differences.hpp"
 #include "bouncelab/loop/loop.hpp"
 #include "bouncelab/report/answer.hpp"
 #include "bouncelab/report/conclusions.hpp"
@@ -33,28 +34,31 @@ std::pair<const char*, const S*> named(const char* name) {
 
 const std::map<std::string, const Description*>& all_described() {
   static const auto all = [] {
-    auto described_structs = described(
-        named<Ball>("Ball"), named<sim::SimulationResult>("SimulationResult"),
-        named<synthesis::SynthesisResult>("SynthesisResult"), named<detection::DropSummary>("DropSummary"),
-        named<detection::RecordingSummary>("RecordingSummary"),
-        named<detection::RecordingDetection>("RecordingDetection"), named<detection::WavePreview>("WavePreview"),
-        named<detection::WaveExcerpt>("WaveExcerpt"), named<detection::ListeningCopy>("ListeningCopy"),
-        named<detection::LearnedWave>("LearnedWave"), named<detection::OnsetScore>("OnsetScore"),
-        named<fit::RestitutionCounts>("RestitutionCounts"), named<fit::Estimate>("Estimate"),
-        named<fit::NodeEstimate>("NodeEstimate"), named<fit::ScatterModel>("ScatterModel"),
-        named<fit::ResidualBin>("ResidualBin"), named<fit::LawFit>("LawFit"), named<fit::MemoryFit>("MemoryFit"),
-        named<fit::ShapeFit>("ShapeFit"), named<fit::HistogramFit>("HistogramFit"),
-        named<fit::TimingNoise>("TimingNoise"), named<fit::BudgetRow>("BudgetRow"),
-        named<fit::ErrorBudget>("ErrorBudget"), named<fit::RecordingsTest>("RecordingsTest"),
-        named<fit::RecordingFit>("RecordingFit"), named<fit::FitResult>("FitResult"), named<fit::Grouping>("Grouping"),
-        named<fit::Drift>("Drift"), named<fit::BetweenRecordings>("BetweenRecordings"),
-        named<fit::CalibrationRow>("CalibrationRow"), named<loop::LoopScore>("LoopScore"),
-        named<loop::ScatterTheory>("ScatterTheory"), named<loop::ReservoirCheck>("ReservoirCheck"),
-        named<loop::ReservoirOfDrop>("ReservoirOfDrop"), named<loop::RecordingDetails>("RecordingDetails"),
-        named<loop::MemoryCalibrationGroup>("MemoryCalibrationGroup"),
-        named<loop::MemoryCalibrationRow>("MemoryCalibrationRow"), named<report::DropsSeen>("DropsSeen"),
-        named<report::SpeedAndRestitution>("SpeedAndRestitution"), named<report::PlainAnswer>("PlainAnswer"),
-        named<report::FitInWords>("FitInWords"), named<report::Conclusion>("Conclusion"));
+    auto described_structs =
+        described(named<Ball>("Ball"), named<sim::SimulationResult>("SimulationResult"),
+                  named<synthesis::SynthesisResult>("SynthesisResult"), named<detection::DropSummary>("DropSummary"),
+                  named<detection::RecordingSummary>("RecordingSummary"),
+                  named<detection::RecordingDetection>("RecordingDetection"),
+                  named<detection::WavePreview>("WavePreview"), named<detection::WaveExcerpt>("WaveExcerpt"),
+                  named<detection::ListeningCopy>("ListeningCopy"), named<detection::LearnedWave>("LearnedWave"),
+                  named<detection::OnsetScore>("OnsetScore"), named<fit::RestitutionCounts>("RestitutionCounts"),
+                  named<fit::Estimate>("Estimate"), named<fit::NodeEstimate>("NodeEstimate"),
+                  named<fit::ScatterModel>("ScatterModel"), named<fit::ResidualBin>("ResidualBin"),
+                  named<fit::LawFit>("LawFit"), named<fit::MemoryFit>("MemoryFit"), named<fit::ShapeFit>("ShapeFit"),
+                  named<fit::HistogramFit>("HistogramFit"), named<fit::TimingNoise>("TimingNoise"),
+                  named<fit::BudgetRow>("BudgetRow"), named<fit::ErrorBudget>("ErrorBudget"),
+                  named<fit::RecordingsTest>("RecordingsTest"), named<fit::RecordingFit>("RecordingFit"),
+                  named<fit::FitResult>("FitResult"), named<fit::Grouping>("Grouping"), named<fit::Drift>("Drift"),
+                  named<fit::BetweenRecordings>("BetweenRecordings"), named<fit::GroupLaw>("GroupLaw"),
+                  named<fit::GroupDifference>("GroupDifference"), named<fit::GroupDifferences>("GroupDifferences"),
+                  named<fit::CalibrationRow>("CalibrationRow"), named<loop::LoopScore>("LoopScore"),
+                  named<loop::ScatterTheory>("ScatterTheory"), named<loop::ReservoirCheck>("ReservoirCheck"),
+                  named<loop::ReservoirOfDrop>("ReservoirOfDrop"), named<loop::RecordingDetails>("RecordingDetails"),
+                  named<loop::MemoryCalibrationGroup>("MemoryCalibrationGroup"),
+                  named<loop::MemoryCalibrationRow>("MemoryCalibrationRow"), named<report::DropsSeen>("DropsSeen"),
+                  named<report::SpeedAndRestitution>("SpeedAndRestitution"), named<report::PlainAnswer>("PlainAnswer"),
+                  named<report::Cause>("Cause"), named<report::FitInWords>("FitInWords"),
+                  named<report::Conclusion>("Conclusion"));
     described_structs["MemoryTests"] = &fit::members_of_tests();
     described_structs["Roughness"] = &fit::members_of_roughness();
     return described_structs;

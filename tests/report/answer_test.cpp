@@ -8,6 +8,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "bouncelab/core/ball.hpp"
 #include "bouncelab/fit/fit.hpp"
 #include "bouncelab/fit/restitution.hpp"
 #include "synthetic_samples.hpp"
@@ -162,6 +163,112 @@ TEST(PlainAnswer, OfUnlikeRecordingsNamesTheirRangeAndNoCommonValue) {
   EXPECT_NEAR(answer.recordings[0].at->eps.value - answer.recordings[1].at->eps.value, 0.05, 1e-3);
   EXPECT_THAT(answer.sentences.at(0), HasSubstr("(b.wav, "));
   EXPECT_THAT(answer.sentences.at(0), Not(HasSubstr("there/")));
+}
+
+/// Three recordings of one ball, of so many samples each.
+RestitutionSamples three_recordings(std::size_t n_each) {
+  RestitutionSamples samples = bouncelab::testing::independent_samples({}, 3 * n_each, 0.2, 1.4, 1e-4);
+  for (std::size_t k = 0; k < samples.size(); ++k)
+    samples[k].recording = std::string(1, static_cast<char>('a' + k % 3));
+  return samples;
+}
+
+TEST(PlainAnswer, OfRecordingsThatAgreeIsOneAndARowForEach) {
+  const RestitutionSamples samples = three_recordings(60);
+  const PlainAnswer answer = told(samples).answer;
+  EXPECT_TRUE(answer.at);
+  ASSERT_EQ(answer.recordings.size(), 3u);
+  EXPECT_THAT(in_words(answer.recordings[1]), ::testing::StartsWith("b: ε = 0.97"));
+}
+
+TEST(PlainAnswer, OfRecordingsThatCannotBeComparedIsPooledWhereAskedFor) {
+  const RestitutionSamples samples = three_recordings(2);
+  const FitResult result = fit_all(samples, {});
+  const PlainAnswer apart = in_words(result, samples).answer;
+  EXPECT_FALSE(apart.at);
+  EXPECT_THAT(apart.sentences.at(0), HasSubstr("agree cannot be told"));
+  EXPECT_THAT(apart.sentences.at(0), HasSubstr("--pool"));
+  EXPECT_TRUE(in_words(result, samples, UseMemory::where_long, true).answer.at);
+}
+
+TEST(PlainAnswer, OfUnlikeRecordingsIsPooledWhereAskedForAndTheDoubtSaysThatTheyDoNotAgree) {
+  RestitutionSamples samples = three_recordings(60);
+  for (RestitutionSample& s : samples)
+    if (s.recording == "b") s.eps -= 0.05;  // a hundred times its scatter
+  const FitResult result = fit_all(samples, {});
+  FitInWords apart = in_words(result, samples), pooled = in_words(result, samples, UseMemory::where_long, true);
+  choose_doubt(apart.warnings, apart);
+  choose_doubt(pooled.warnings, pooled);
+  EXPECT_FALSE(apart.answer.at);
+  EXPECT_THAT(apart.answer.doubt, Not(HasSubstr("agree")));  // the answer says it
+  EXPECT_TRUE(pooled.answer.at);
+  EXPECT_THAT(pooled.answer.doubt, HasSubstr("The 3 recordings do not agree"));
+}
+
+TEST(PlainAnswer, DoubtIsASentenceWithoutTheNamesOfFlags) {
+  FitInWords words = told(three_recordings(60));
+  choose_doubt({"2 of 7 impacts have two places (flag doubtful; sigma_t_s covers them)", "another"}, words);
+  EXPECT_EQ(words.answer.doubt, "2 of 7 impacts have two places.");
+}
+
+/// Names of the causes that are seen, the largest first.
+std::vector<std::string> seen_causes(const FitInWords& words) {
+  std::vector<std::string> names;
+  EXPECT_EQ(words.causes.size(), 3u);
+  for (const Cause& cause : words.causes)
+    if (cause.is_seen) names.push_back(cause.name);
+  return names;
+}
+
+TEST(Causes, AreMostlyTheSpeedWhereTheLawFallsByMoreThanTheBouncesScatter) {
+  bouncelab::testing::SyntheticRun run;  // eps falls by .007, the scatter at 0.6 m/s is .0008
+  run.n_drops = 3;
+  run.timing_sigma_s = 1e-6;
+  const FitInWords words = told(samples_of(bouncelab::testing::synthetic_onsets(run)));
+  EXPECT_THAT(seen_causes(words), ::testing::ElementsAre("speed", "roughness"));
+  EXPECT_THAT(words.causes[0].sentence, ::testing::StartsWith("Mostly the speed"));
+  EXPECT_NEAR(words.causes[0].size.value_or(0.0), 0.006, 0.002);  // over the nodes, which lie within the speeds
+}
+
+TEST(Causes, AreMostlyTheRoughnessWhereEpsIsOneValueThatScatters) {
+  bouncelab::testing::SyntheticRun run;
+  run.law = ConstantLaw{0.9};
+  run.below_at_1mps = run.above_at_1mps = 4e-3;
+  const FitInWords words = told(bouncelab::testing::independent_samples(run, 200, 0.3, 1.3, 1e-4));
+  EXPECT_EQ(words.causes.at(0).name, "roughness");
+  EXPECT_THAT(words.causes[0].sentence, ::testing::StartsWith("Mostly the roughness"));
+  EXPECT_THAT(words.causes[1].sentence + words.causes[2].sentence, HasSubstr("the speed matters is not seen"));
+}
+
+TEST(Causes, DoNotNameTheRoughnessWhereErrorsOfTheTimesExplainTheScatter) {
+  bouncelab::testing::SyntheticRun run;
+  run.law = ConstantLaw{0.9};
+  run.below_at_1mps = run.above_at_1mps = 1e-5;
+  const FitInWords words = told(bouncelab::testing::independent_samples(run, 200, 0.3, 1.3, 2e-3));
+  EXPECT_THAT(seen_causes(words), Not(Contains("roughness")));
+}
+
+TEST(Causes, AreMostlyTheAirOfATableTennisBallOfOneEps) {
+  RestitutionConfig config;
+  config.ball = ball_from_text("table-tennis");
+  // intervals in vacuum, as if the drag were there: the effect is the ball's by its size and mass
+  const FitInWords words = told(restitution_samples(dropped(0.3, 0.9, 20, 2.0), config).samples);
+  ASSERT_EQ(words.causes.size(), 3u);
+  const auto air =
+      std::find_if(words.causes.begin(), words.causes.end(), [](const Cause& c) { return c.name == "air"; });
+  EXPECT_TRUE(air->is_seen);
+  // eps (1 + eps^2) kappa v^2 / (4 g), kappa .12 to .14 per m, v up to some 2 m/s: .005 to .02
+  EXPECT_GT(air->size.value_or(0.0), 0.005);
+  EXPECT_LT(air->size.value_or(0.0), 0.03);
+  EXPECT_THAT(air->sentence, HasSubstr("taken out of the values here"));
+}
+
+TEST(Causes, OfTheAirAreNotKnownWithoutTheBall) {
+  RestitutionSamples samples = restitution_samples(dropped(0.3, 0.9, 20, 2.0), {}).samples;
+  for (std::size_t k = 0; k < samples.size(); ++k) samples[k].eps += k % 2 == 0 ? 0.004 : -0.004;  // no simulation's
+  const FitInWords words = told(samples);
+  EXPECT_THAT(seen_causes(words), Not(Contains("air")));
+  EXPECT_THAT(words.causes.back().sentence + words.causes.at(1).sentence, HasSubstr("name the ball"));
 }
 
 TEST(FitInWords, WarnsInWordsOfConstantsThatCannotBeToldApart) {

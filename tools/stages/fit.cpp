@@ -114,7 +114,7 @@ std::string more_files(std::size_t n) { return n > 1 ? fmt::format(" and {} more
 std::string answer_text(const report::PlainAnswer& answer) {
   std::string text;
   for (const std::string& sentence : answer.sentences) text += sentence + "\n";
-  return text + "\n";
+  return text + (answer.doubt.empty() ? "" : answer.doubt + "\n");
 }
 
 fit::FitConfig fit_config(const FitOptions& options, const CommonOptions& common) {
@@ -126,7 +126,7 @@ fit::FitConfig fit_config(const FitOptions& options, const CommonOptions& common
 
 Outcome fit_outcome(const fit::FitResult& result, const report::FitInWords& words, const std::string& samples) {
   Outcome outcome;
-  outcome.text = answer_text(words.answer) + describe(result);
+  outcome.text = answer_text(words.answer) + "\n" + describe(result);
   outcome.warnings = words.warnings;
   if (result.status == fit::FitStatus::ok) return outcome;
   // of one speed alone eps is known there, and nothing more was to be known

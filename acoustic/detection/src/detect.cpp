@@ -134,16 +134,16 @@ std::vector<std::string> warnings_for(const Detection& d, const BandOfChannel& f
   const std::string of_all = " of " + std::to_string(d.onsets.size()) + " impacts ";
   if (const auto n = count_flag(d.onsets, Flag::clipped); n > 0)
     warnings.push_back(std::to_string(n) + of_all + "are clipped: record with less gain");
-  if (const auto n = count_flag(d.onsets, Flag::doubtful); n > 0)
-    warnings.push_back(std::to_string(n) + of_all +
-                       "have more than one place where they may have been (flag doubtful; sigma_t_s covers them)");
-  if (const auto n = count_flag(d.onsets, Flag::improbable); n > 0)
-    warnings.push_back(std::to_string(n) + of_all +
-                       "are less likely than not the ball's (flag improbable): no ε is taken from them");
   if (!is_timed_in_full_band)
     warnings.push_back(found.sound.rate_hz < kBelow500_hz
                            ? "the impacts were found below 500 Hz only: times to a millisecond or two at best"
                            : "the impacts were found below 2 kHz only: times to a fraction of a millisecond at best");
+  if (const auto n = count_flag(d.onsets, Flag::improbable); n > 0)
+    warnings.push_back(std::to_string(n) + of_all +
+                       "are less likely than not the ball's (flag improbable): no ε is taken from them");
+  if (const auto n = count_flag(d.onsets, Flag::doubtful); n > 0)
+    warnings.push_back(std::to_string(n) + of_all +
+                       "have more than one place where they may have been (flag doubtful; sigma_t_s covers them)");
   return warnings;
 }
 

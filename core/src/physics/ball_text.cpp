@@ -44,11 +44,15 @@ const std::vector<Quantity> kQuantities{
     {"contact-time", &kTimes, 1e-7, 1.0, "from 0.1 us to 1 s, such as 0.8ms"},
 };
 const std::map<std::string, std::string, std::less<>> kShort{{"d", "diameter"}, {"r", "radius"}};
-const std::map<std::string, std::string, std::less<>> kOtherNames{{"ping-pong", "table-tennis"},
-                                                                  {"pingpong", "table-tennis"},
-                                                                  {"soccer", "football"},
-                                                                  {"aluminum", "aluminium"},
-                                                                  {"silicon-carbide", "sic"}};
+/// What a word of every day means; a ball that is sold in one size mostly has that where none is given.
+struct OtherName {
+  std::string meant;
+  std::optional<double> usual_diameter_m = std::nullopt;
+};
+const std::map<std::string, OtherName, std::less<>> kOtherNames{
+    {"ping-pong", {"table-tennis"}},  {"pingpong", {"table-tennis"}}, {"soccer", {"football"}},
+    {"pool", {"billiard"}},           {"marble", {"glass", 0.016}},   {"glass-marble", {"glass", 0.016}},
+    {"bouncy", {"superball", 0.027}}, {"aluminum", {"aluminium"}},    {"silicon-carbide", {"sic"}}};
 using Numbers = std::map<std::string, double, std::less<>>;
 
 [[noreturn]] void refuse(std::string_view kind, std::string_view text, const std::string& why) {
@@ -126,11 +130,23 @@ class DescriptionReader {
   std::vector<std::string> keys_;
 };
 
+/// "Tennis ball" -> "tennis"
+std::string as_in_catalogue(std::string name) {
+  for (char& c : name) c = c == ' ' || c == '_' ? '-' : static_cast<char>(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c);
+  return name.ends_with("-ball") ? name.substr(0, name.size() - 5) : name;
+}
+
+const OtherName* other_name(const std::string& name) {
+  const auto found = kOtherNames.find(as_in_catalogue(name));
+  return found == kOtherNames.end() ? nullptr : &found->second;
+}
+
 template <class Kind>
 const Kind& kind_named(std::string_view what, std::string_view text, const std::string& name,
                        const std::vector<Kind>& kinds) {
-  const auto other = kOtherNames.find(name);
-  const std::string& meant = other == kOtherNames.end() ? name : other->second;
+  const OtherName* other = other_name(name);
+  if (other && other->usual_diameter_m && what != "ball") other = nullptr;  // a marble floor is no glass
+  const std::string meant = other ? other->meant : as_in_catalogue(name);
   std::vector<std::string> names;
   for (const Kind& kind : kinds) {
     if (kind.name == meant) return kind;
@@ -196,6 +212,8 @@ Ball ball_from_text(const std::string& text) {
     ball.material = kind.material;
     ball.inertia_factor = kind.inertia_factor;
     if (kind.diameter_m) radius_m = 0.5 * *kind.diameter_m;
+    if (const OtherName* other = other_name(given.name); other && other->usual_diameter_m)
+      radius_m = 0.5 * *other->usual_diameter_m;
     if (kind.diameter_m && (radius != nullptr || diameter != nullptr) && mass == nullptr && density == nullptr)
       refuse(kBall, text, "the rules give a " + kind.name + " ball its size; one of another size needs its mass= too");
   }

@@ -139,8 +139,8 @@ void choose_groups(Design& design) {
     plates.effect = GroupEffect::fixed;
   else if (plates.names.size() > 1)
     design.notes.push_back(
-        formatted("%zu plates of %zu recordings: too few of the same plate to tell what differs "
-                  "from plate to plate from what differs from recording to recording",
+        formatted("%zu plates of %zu recordings: too few of the same plate for the pooled law to tell what differs "
+                  "from plate to plate from what differs from recording to recording; it has no plates",
                   plates.names.size(), n));
   if (days.names.size() < 2) return;
   if (plates.effect == GroupEffect::random && are_the_same(plates, days))

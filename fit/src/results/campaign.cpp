@@ -3,6 +3,7 @@
 // is made of these texts).
 #include "bouncelab/fit/between_recordings.hpp"
 #include "bouncelab/fit/calibration.hpp"
+#include "bouncelab/fit/group_differences.hpp"
 #include "bouncelab/fit/restitution.hpp"
 #include "results/parts.hpp"
 
@@ -102,6 +103,47 @@ const Description& members_of(const BetweenRecordings*) {
                   "with `prediction95`"),
       result("plates", &B::plates, "Groups by plate, with the drift taken out"),
       result("days", &B::days, "Groups by day, with the plates taken out")};
+  return all;
+}
+
+const Description& members_of(const GroupLaw*) {
+  using G = GroupLaw;
+  static const Description all{
+      result("name", &G::name, "The plate or the recording"), result("n", &G::n, "Samples fitted"),
+      result("n_units", &G::n_units, "Drops or recordings, see `unit`"),
+      result("nodes", &G::nodes, "As of a law, at speeds that all groups share"), estimates_by_name<G>()};
+  return all;
+}
+
+const Description& members_of(const GroupDifference*) {
+  using D = GroupDifference;
+  static const Description all{
+      result("reference", &D::reference, "A group"),
+      result("group", &D::group, "Another; all is of it less the reference"),
+      result("offset", &D::offset, "Estimate of the difference of ε, as a constant at all speeds"),
+      result("detectable", &D::detectable, "A difference that such data show in four of five experiments"),
+      result("p_value", &D::p_value,
+             "Of so large an offset by chance, if the groups differ as their units do; times the number of pairs; "
+             "`null`: one unit in each"),
+      result("nodes", &D::nodes, "Differences of ε at the nodes, as of a law"),
+      estimates_by_name<D>()};
+  return all;
+}
+
+const Description& members_of(const GroupDifferences*) {
+  using D = GroupDifferences;
+  static const Description all{
+      result("message", &D::message, "Why there are no `rows`"),
+      result<D>(
+          "unit", [](const D& d) { return to_string(d.unit); },
+          "By what differs within a group differences are judged: `recordings` where a group has several, else "
+          "`drops`"),
+      result("ndf", &D::ndf,
+             "Degrees of freedom of Student's t: units less groups; 0: not known, errors are those of "
+             "independent samples"),
+      result("deviation", &D::deviation, "Standard deviation of ε between units of a group, beyond the scatter"),
+      result("groups", &D::groups, "The law of each, see below"),
+      result("rows", &D::rows, "Every pair, see below")};
   return all;
 }
 

@@ -12,8 +12,10 @@
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/files.hpp"
 #include "bouncelab/core/parallel.hpp"
+#include "bouncelab/core/text.hpp"
 #include "bouncelab/report/detection.hpp"
 #include "stages/files/foreign_files.hpp"
+#include "stages/files/provenance.hpp"
 #include "stages/files/several_files.hpp"
 #include "stages/files/table_file.hpp"
 #include "stages/progress_line.hpp"
@@ -65,28 +67,49 @@ loop::AnalyzeConfig analyze_config(const AnalyzeOptions& options, const CommonOp
 
 namespace {
 
+/// Of one recording nobody needs to be told which.
+std::vector<std::string> without_name(std::vector<std::string> warnings, const fs::path& recording) {
+  const std::string name = printable(input_name(recording)) + ": ";
+  for (std::string& warning : warnings)
+    if (warning.starts_with(name)) warning.erase(0, name.size());
+  return warnings;
+}
+
+/// Several recordings, a line each; of many those in front.
+std::string rows_of(const report::PlainAnswer& answer) {
+  constexpr std::size_t kMostLines = 20;
+  const auto& rows = answer.recordings;
+  std::string text = !rows.empty() && answer.at ? "Each recording alone:\n" : "";
+  for (std::size_t k = 0; k < std::min(rows.size(), kMostLines); ++k) text += "  " + report::in_words(rows[k]) + "\n";
+  if (rows.size() > kMostLines) text += fmt::format("  ... and {} more, in the report\n", rows.size() - kMostLines);
+  return text;
+}
+
 /// The files of an analysis in the folder, and what there is to say of it.
 /// @param files     as they were given. @param inputs  those that could be read
 /// @param detected  what there is to say of the times: text, warnings, what went wrong
-Outcome write_analysis(const loop::Analysis& found, const loop::AnalyzeConfig& config,
+Outcome write_analysis(const loop::Analysis& found, const loop::AnalyzeConfig& config, bool pool,
                        const std::vector<fs::path>& files, const std::vector<fs::path>& inputs, const Outcome& detected,
                        const fs::path& folder, const Run& run) {
-  report::FitInWords words = report::in_words(found.fit, found.restitution.samples, config.fit.memory);
+  report::FitInWords words = report::in_words(found.fit, found.restitution.samples, config.fit.memory, pool);
   const Outcome fitted = as_stage(fit_outcome(found.fit, words, (folder / "samples.csv").string()), found.fit);
   const std::optional<std::string> doubt = report::doubt_of_all_drops(found.recordings);
   if (doubt) withhold_answer(*doubt, words);
   Outcome outcome;
-  outcome.warnings = joined(report::warnings_of(found.restitution.counts, config.restitution), detected.warnings);
-  outcome.warnings = joined(outcome.warnings, fitted.warnings);
-  if (files.size() == 1) report::keep_three(outcome.warnings, words);
+  std::vector<std::string> warnings = joined(report::warnings_of_drops(found.recordings),
+                                             report::warnings_of(found.restitution.counts, config.restitution));
+  warnings = joined(joined(warnings, fitted.warnings), detected.warnings);
+  if (files.size() == 1) report::keep_three(warnings, words);
+  choose_doubt(files.size() == 1 ? without_name(warnings, files.front()) : warnings, words);
   write_files(found, words, inputs, folder, run);
   outcome.result = object_of(members_of(&found), &found);
   outcome.result.emplace_back("answer", value_of(words.answer));
-  outcome.result.emplace_back("warnings", outcome.warnings);
+  outcome.result.emplace_back("warnings", warnings);
   write_json(run, folder / "summary.json", outcome.result, 2, {folder / "fit.json"});
   const Outcome shown = run_report({folder, folder / "report.html", title_of(files)}, run);
-  const std::string answer = answer_text(words.answer);
-  outcome.text = answer + detected.text + text_of(found.restitution.counts, config.restitution) + shown.text;
+  // the answer, one doubt, where the report is: all warnings stand there and in summary.json
+  outcome.text = lines_of(words.answer.sentences) + rows_of(words.answer) + detected.text +
+                 (words.answer.doubt.empty() ? "" : words.answer.doubt + "\n") + shown.text;
   outcome.exit_code = std::max({detected.exit_code, fitted.exit_code, doubt ? kNotUsable : 0});
   // recordings that were left out are named also where the fit of the others fails
   const std::string unfit = doubt.value_or(fitted.error);
@@ -95,7 +118,7 @@ Outcome write_analysis(const loop::Analysis& found, const loop::AnalyzeConfig& c
 }
 
 /// Sound -> times and on.
-Outcome analyze_sound(const std::vector<fs::path>& files, const loop::AnalyzeConfig& config,
+Outcome analyze_sound(const std::vector<fs::path>& files, const loop::AnalyzeConfig& config, bool pool,
                       std::vector<std::string> warnings, const fs::path& folder, const Run& run) {
   loop::Analysis found;
   // the checksums of the provenance while the sound is searched, as a thread has time for them
@@ -105,11 +128,12 @@ Outcome analyze_sound(const std::vector<fs::path>& files, const loop::AnalyzeCon
   });
   Outcome detected = detection_outcome(found.recordings, std::move(warnings));
   if (!first_found(found.recordings)) return detected;
-  return write_analysis(found, config, files, readable_of(found.recordings), detected, folder, run);
+  detected.text.clear();
+  return write_analysis(found, config, pool, files, readable_of(found.recordings), detected, folder, run);
 }
 
 /// Times of other programs, or of an earlier `detect`, and on.
-Outcome analyze_times(const std::vector<fs::path>& files, const loop::AnalyzeConfig& config,
+Outcome analyze_times(const std::vector<fs::path>& files, const loop::AnalyzeConfig& config, bool pool,
                       const ForeignFileOptions& foreign, std::vector<std::string> warnings, const fs::path& folder,
                       const Run& run) {
   Outcome read;
@@ -132,17 +156,28 @@ Outcome analyze_times(const std::vector<fs::path>& files, const loop::AnalyzeCon
     read.error = input_name(files.front()) + ": no three successive impacts: no coefficient of restitution";
     return read;
   }
-  return write_analysis(found, config, files, files, read, folder, run);
+  return write_analysis(found, config, pool, files, files, read, folder, run);
+}
+
+/// The report of an earlier analysis of these recordings, which nobody has touched: it may be replaced unasked.
+bool is_own_report(const std::vector<fs::path>& outputs, const std::vector<fs::path>& recordings) {
+  return fs::exists(outputs.front()) &&
+         std::all_of(
+             recordings.begin(), recordings.end(),
+             [](const fs::path& recording) { return !is_stream(recording) && fs::is_regular_file(recording); }) &&
+         are_unchanged_and_of(outputs, recordings);
 }
 
 }  // namespace
 
-Outcome run_analyze(const AnalyzeOptions& options, const Run& run) {
+Outcome run_analyze(const AnalyzeOptions& options, const Run& asked) {
   const fs::path folder = options.out;
   const OutputFolder output_folder(folder);
   std::vector<fs::path> outputs;
   for (const char* name : kOutputs) outputs.push_back(folder / name);
   const std::vector<fs::path> given = recordings_of(options.detect);
+  Run run = asked;
+  run.common.force = run.common.force || is_own_report(outputs, given);
   check_files(run, given, outputs);
   std::vector<std::string> warnings;
   const std::vector<fs::path> files = each_once(given, run.common.n_threads, "recording", warnings);
@@ -151,11 +186,11 @@ Outcome run_analyze(const AnalyzeOptions& options, const Run& run) {
     return holds_times(file, options.detect.config.rate_hz.has_value());
   };
   const auto n_times = std::count_if(files.begin(), files.end(), is_times);
-  if (n_times == 0) return analyze_sound(files, config, std::move(warnings), folder, run);
+  if (n_times == 0) return analyze_sound(files, config, options.pool, std::move(warnings), folder, run);
   if (n_times < std::ssize(files))
     throw InvalidArgument(std::find_if(files.begin(), files.end(), is_times)->string() +
                           ": holds times, other files hold sound; analyze one kind at a time");
-  return analyze_times(files, config, options.restitution.foreign, std::move(warnings), folder, run);
+  return analyze_times(files, config, options.pool, options.restitution.foreign, std::move(warnings), folder, run);
 }
 
 }  // namespace bouncelab::cli

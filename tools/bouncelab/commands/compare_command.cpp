@@ -3,20 +3,30 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <optional>
 #include <set>
 #include <utility>
 
+#include "bouncelab/core/child_process.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/files.hpp"
 #include "bouncelab/core/parallel.hpp"
 #include "bouncelab/core/text.hpp"
+#include "bouncelab/detection/detect.hpp"
 #include "bouncelab/fit/between_recordings.hpp"
+#include "bouncelab/fit/group_differences.hpp"
+#include "bouncelab/fit/restitution.hpp"
+#include "bouncelab/fit/usable_samples.hpp"
 #include "bouncelab/report/comparison.hpp"
 #include "bouncelab/report/page.hpp"
+#include "stages/detect.hpp"
+#include "stages/files/foreign_files.hpp"
 #include "stages/files/sample_files.hpp"
+#include "stages/files/several_files.hpp"
 #include "stages/files/table_file.hpp"
 #include "stages/progress_line.hpp"
 
@@ -57,6 +67,7 @@ class Reduction {
  public:
   void take(RestitutionSamples&& samples) {
     n_samples_ += samples.size();
+    if (kept.size() < kMostKept) kept.push_back(samples);
     waiting_.push_back(std::move(samples));
     if (n_samples_ > kMost_samples) reduce();
   }
@@ -69,37 +80,107 @@ class Reduction {
     n_samples_ = 0;
   }
   std::vector<fit::CampaignRecording> recordings;
+  std::vector<RestitutionSamples> kept;  ///< of the first kMostKept recordings
 
  private:
   static constexpr std::size_t kMost_samples = 100000;  // some 30 MB
+  static constexpr std::size_t kMostKept = 100;         // of few plates; of more recordings the summaries say enough
   std::vector<RestitutionSamples> waiting_;
   std::size_t n_samples_ = 0;
 };
 
+/// "2 of the 5 recordings WHAT: 'a', 'b'"
+std::string name_some(const std::vector<std::string>& names, std::size_t n_all, const std::string& what) {
+  constexpr std::size_t kMostNamed = 5;
+  std::string text;
+  for (std::size_t k = 0; k < std::min(names.size(), kMostNamed); ++k)
+    text += (k > 0 ? ", '" : "'") + printable(names[k]) + "'";
+  if (names.size() > kMostNamed) text += fmt::format(" and {} more", names.size() - kMostNamed);
+  return fmt::format("{} of the {} recordings {}: {}", names.size(), n_all, what, text);
+}
+
+/// The row of a recording: by its name, else by the name of its file.
+Origins::const_iterator row_of(const std::string& recording, const Origins& origins) {
+  const auto known = origins.find(recording);
+  return known != origins.end() ? known : origins.find(fs::path(recording).filename().string());
+}
+
+/// Rows of the table without a recording, and recordings without a row, are named.
 void name_origins(std::vector<fit::CampaignRecording>& recordings, const Origins& origins, const std::string& file,
                   std::vector<std::string>& warnings) {
   std::set<std::string> found;
+  std::vector<std::string> without_row, without_samples;
   for (fit::CampaignRecording& recording : recordings) {
     const std::string& name = recording.summary.recording;
-    if (const auto known = origins.find(name); known != origins.end()) {
+    if (const auto known = row_of(name, origins); known != origins.end()) {
       recording.origin = known->second;
-      found.insert(name);
+      found.insert(known->first);
+    } else {
+      without_row.push_back(name);
     }
     if (!recording.origin.date) recording.origin.date = fit::date_in_name(name);
   }
-  if (found.size() < origins.size()) {
-    constexpr std::size_t kMostNamed = 5;
-    const std::size_t n_missing = origins.size() - found.size();
-    std::string names;
-    std::size_t n_named = 0;
-    for (const auto& [name, origin] : origins)
-      if (found.count(name) == 0 && n_named < kMostNamed)
-        names += (n_named++ > 0 ? ", '" : "'") + printable(name) + "'";
-    if (n_missing > n_named) names += fmt::format(" and {} more", n_missing - n_named);
-    warnings.push_back(fmt::format("{} of the {} recordings of {} {} no samples: {}", n_missing, origins.size(),
-                                   printable(fs::path(file).filename().string()), n_missing == 1 ? "has" : "have",
-                                   names));
+  if (origins.empty()) return;
+  const std::string table = printable(fs::path(file).filename().string());
+  for (const auto& [name, origin] : origins)
+    if (!found.contains(name)) without_samples.push_back(name);
+  if (!without_samples.empty())
+    warnings.push_back(name_some(without_samples, origins.size(),
+                                 "of " + table + (without_samples.size() == 1 ? " has" : " have") + " no samples"));
+  if (!without_row.empty())
+    warnings.push_back(name_some(without_row, recordings.size(),
+                                 std::string(without_row.size() == 1 ? "has" : "have") + " no row in " + table));
+}
+
+/// Impacts of recordings -> their samples.
+Outcome read_sounds(const std::vector<fs::path>& files, const CompareOptions& options, const Run& run,
+                    const std::function<void(RestitutionSamples&&)>& take) {
+  if (files.empty()) return {};
+  std::vector<std::string> warnings;
+  const std::vector<fs::path> once = each_once(files, run.common.n_threads, "recording", warnings);
+  std::vector<detection::RecordingDetection> recordings(once.size());
+  const int n_threads = kMayStartChildBesideThreads ? resolved_threads(run.common.n_threads) : 1;
+  detection::detect_each(
+      once, {}, n_threads,
+      [&](std::size_t k, detection::Detection&& found) {
+        recordings[k] = {once[k].string(), found.onsets.size(), std::move(found)};
+      },
+      progress_line(run, "detect", "recordings"));
+  const fit::RestitutionConfig config = restitution_config(options.restitution);
+  for (const detection::RecordingDetection& recording : recordings) {
+    RestitutionSamples samples = fit::restitution_samples(recording.found.onsets, config).samples;
+    if (!samples.empty())
+      take(std::move(samples));
+    else if (recording.found.status != detection::DetectionStatus::unreadable)
+      warnings.push_back(printable(input_name(recording.recording)) + ": " + recording.found.message + "; left out");
   }
+  return detection_outcome(recordings, std::move(warnings));
+}
+
+using Groups = std::vector<std::pair<std::string, RestitutionSamples>>;
+
+/// Plates where there are two to four, else two to four recordings; otherwise none.
+/// @param kept  samples of the first recordings, in their order
+Groups groups_of(const std::vector<fit::CampaignRecording>& recordings, const fit::BetweenRecordings& between,
+                 const std::vector<RestitutionSamples>& kept) {
+  if (kept.size() < recordings.size()) return {};
+  std::map<std::string, RestitutionSamples> plates;
+  Groups alone;
+  for (std::size_t k = 0; k < recordings.size(); ++k) {
+    if (between.rows[k].is_outlier) continue;
+    fit::LeftOut left_out;
+    const fit::PartOfSamples usable = fit::usable_samples(kept[k], left_out);
+    alone.emplace_back(recordings[k].summary.recording, *usable);
+    const std::string& plate = recordings[k].origin.plate;
+    if (!plate.empty()) plates[plate].insert(plates[plate].end(), usable->begin(), usable->end());
+  }
+  std::set<std::string> file_names;
+  for (const auto& [name, samples] : alone) file_names.insert(fs::path(name).filename().string());
+  if (file_names.size() == alone.size())
+    for (auto& [name, samples] : alone) name = fs::path(name).filename().string();
+  const auto are_few = [](std::size_t n) { return n >= 2 && n <= fit::kMostGroups; };
+  if (are_few(plates.size())) return {plates.begin(), plates.end()};
+  return plates.empty() && are_few(alone.size()) ? alone : Groups{};
 }
 
 std::string title_of(const CompareOptions& options) {
@@ -120,18 +201,25 @@ Outcome run_compare(const CompareOptions& options, const Run& run) {
   const Origins origins = options.groups.empty() ? Origins{} : read_groups(options.groups);
   const ProgressCallback progress = progress_line(run, "compare", "recordings");
   Reduction reduction;
-  for_each_recording({options.samples.begin(), options.samples.end()}, run.common.n_threads, outcome.warnings,
-                     [&](RestitutionSamples&& samples) {
-                       reduction.take(std::move(samples));
-                       if (progress) progress(static_cast<double>(reduction.recordings.size()), 0.0);
-                     });
+  const auto take = [&](RestitutionSamples&& samples) {
+    reduction.take(std::move(samples));
+    if (progress) progress(static_cast<double>(reduction.recordings.size()), 0.0);
+  };
+  std::vector<fs::path> sounds, tables;
+  for (const std::string& file : options.samples) (holds_times(file, false) ? tables : sounds).emplace_back(file);
+  const Outcome heard = read_sounds(sounds, options, run, take);
+  outcome.warnings = heard.warnings;
+  for_each_recording(tables, run.common.n_threads, outcome.warnings, take);
   reduction.reduce();
   std::vector<fit::CampaignRecording>& recordings = reduction.recordings;
   name_origins(recordings, origins, options.groups, outcome.warnings);
   fit::BetweenRecordings between = fit::compare_campaign(recordings);
   between.notes = joined(outcome.warnings, between.notes);
   outcome.warnings = between.notes;
-  outcome.result = report::object_of(between, recordings);
+  std::optional<fit::GroupDifferences> differences;
+  if (const Groups groups = groups_of(recordings, between, reduction.kept); !groups.empty())
+    differences = fit::compare_groups(groups);
+  outcome.result = report::object_of(between, recordings, differences);
   const std::string json = json_text(outcome.result, 1);
   write_text(run, folder / "comparison.json", json + "\n", inputs);
   write_table(run, folder / "comparison.csv", to_table(between, recordings), inputs);
@@ -140,12 +228,17 @@ Outcome run_compare(const CompareOptions& options, const Run& run) {
   page.comparison_json = json;
   page.comparison_points_json = report::points_json(between, recordings);
   write_text(run, folder / "report.html", report::render(page), inputs);
-  if (between.status != fit::FitStatus::ok) {
-    outcome.exit_code = kNotUsable;
-    outcome.error = input_name(options.samples.front()) + ": " + between.message;
+  outcome.exit_code = heard.exit_code;
+  outcome.error = heard.error;
+  if (between.status != fit::FitStatus::ok && (!differences || differences->rows.empty())) {
+    outcome.exit_code = std::max<int>(outcome.exit_code, kNotUsable);
+    const std::string& why = differences && !differences->message.empty() ? differences->message : between.message;
+    outcome.error +=
+        (outcome.error.empty() ? "" : "; ") + (differences ? "" : input_name(options.samples.front()) + ": ") + why;
     return outcome;
   }
-  for (const std::string& sentence : report::in_words(between, recordings)) outcome.text += sentence + "\n";
+  for (const std::string& sentence : report::in_words(between, recordings, differences))
+    outcome.text += sentence + "\n";
   outcome.text += "Report: " + fs::absolute(folder / "report.html").lexically_normal().string() + "\n";
   return outcome;
 }

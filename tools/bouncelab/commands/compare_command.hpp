@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "stages/restitution.hpp"
 #include "stages/run.hpp"
 
 namespace bouncelab::cli {
@@ -11,10 +12,11 @@ namespace bouncelab::cli {
 using namespace stages;
 
 struct CompareOptions {
-  std::vector<std::string> samples;  ///< files
+  std::vector<std::string> samples;  ///< files: samples, or sound
   std::string out;                   ///< folder
   std::string groups;                ///< table of plates and dates; empty: none
   std::string title;                 ///< of the page; empty: of the folder
+  RestitutionOptions restitution;    ///< of sound
 };
 
 /// Exit code 1 where too few recordings can be compared; what is known of each is written all the same.

@@ -46,6 +46,14 @@ std::string sources(const std::vector<Kind>& kinds) {
   return text;
 }
 
+/// "marble (glass:16mm)": a word of every day and what it is taken for.
+std::string everyday_words() {
+  std::string text;
+  for (const char* word : {"marble", "bouncy-ball", "ping-pong", "soccer", "pool"})
+    text += (text.empty() ? "" : ", ") + std::string(word) + " (" + to_text(ball_from_text(word)) + ")";
+  return text;
+}
+
 /// The catalogue: balls, materials of balls, plates, each with its source.
 Outcome run_balls() {
   Outcome outcome;
@@ -59,7 +67,9 @@ Outcome run_balls() {
       "hollow "
       "ball is its\nmass over its whole volume. Contact: how long it touches the floor at 1 m/s, by Hertz's theory or "
       "as "
-      "measured of such\nballs; of one's own: --ball table-tennis,contact-time=0.8ms\n\n";
+      "measured of such\nballs; of one's own: --ball table-tennis,contact-time=0.8ms\nWords of every day are known "
+      "too:\n" +
+      everyday_words() + ";\na marble of another size: --ball marble:25mm\n\n";
   outcome.text += fmt::format("{:<17} {:>16} {:>8} {:>6} {:>11} {:>6}\n", "--plate", "density[kg/m^3]", "E[GPa]", "nu",
                               "loss factor", "Hertz");
   for (const PlateKind& kind : plate_kinds()) outcome.text += line(kind);

@@ -9,7 +9,8 @@ namespace bouncelab::cli {
 Command compare_command() {
   using O = CompareOptions;
   static const Description files{
-      member("samples", &O::samples, "Samples, as restitution writes them, ordered by recording: from 4 recordings on")
+      member("samples", &O::samples,
+             "Samples, as restitution writes them, ordered by recording, or recordings: from 2 on")
           .required()
           .positional(),
       member("out", &O::out, "Folder for comparison.json, comparison.csv and report.html")
@@ -19,11 +20,13 @@ Command compare_command() {
              "Table of columns recording, plate, date; without it dates in the recordings' names are taken")
           .looks_like("FILE"),
       member("title", &O::title, "Title of the page")};
+  static const Description ball = ball_options("not known");
   auto options = std::make_shared<O>();
   return {"compare",
-          "Many recordings of one kind of ball: the pooled law, how much they differ, drift, plates, outliers",
-          "Example: bouncelab compare samples.csv --groups plates.csv --out out/campaign",
-          {{"", &files, options.get()}},
+          "Two recordings or plates: do they differ, and by what? Many: the pooled law, drift, plates, outliers",
+          "Example: bouncelab compare glass.wav wood.wav --out out/plates\n"
+          "         bouncelab compare samples.csv --groups plates.csv --out out/campaign",
+          {{"", &files, options.get()}, {"", &ball, &options->restitution.world, {"restitution"}}},
           [options](Run& run) { return run_compare(*options, run); }};
 }
 

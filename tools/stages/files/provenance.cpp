@@ -13,6 +13,7 @@
 #include <map>
 #include <mutex>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <tuple>
 
 #include "bouncelab/audio/audio_reader.hpp"
@@ -49,12 +50,6 @@ class Sha256 {
  private:
   sha256_ctx state_;
 };
-
-std::string sha256_of(const std::string& text) {
-  Sha256 sum;
-  sum.add(text.data(), text.size());
-  return sum.in_hexadecimal();
-}
 
 std::string computed_sha256(const fs::path& path) {
   FileBytes file(path);
@@ -111,7 +106,43 @@ Json json_in(const fs::path& path) {
   return Json::parse(content.begin(), content.end(), nullptr, false);
 }
 
+/// Sums of the inputs that a provenance names, in their order.
+std::vector<std::string> sums_of_inputs(const Json& meta) {
+  std::vector<std::string> sums;
+  if (!meta.is_object() || !meta.contains("inputs") || !meta["inputs"].is_array()) return sums;
+  for (const Json& input : meta["inputs"])
+    if (input.is_object() && input.contains("sha256") && input["sha256"].is_string()) sums.push_back(input["sha256"]);
+  return sums;
+}
+
+/// Discarded where it is missing or none.
+Json provenance_beside(const fs::path& file) {
+  const fs::path path = provenance_path(file);
+  return fs::is_regular_file(path) ? json_in(path) : Json(nlohmann::detail::value_t::discarded);
+}
+
 }  // namespace
+
+std::string sha256_of(const std::string& text) {
+  Sha256 sum;
+  sum.add(text.data(), text.size());
+  return sum.in_hexadecimal();
+}
+
+bool are_unchanged_and_of(const std::vector<fs::path>& outputs, const std::vector<fs::path>& inputs) {
+  std::set<std::string> known;  // sums of what was written, as the provenances tell
+  std::vector<std::string> of_inputs;
+  for (const fs::path& input : inputs) of_inputs.push_back(sha256_of_file(input));
+  if (sums_of_inputs(provenance_beside(outputs.front())) != of_inputs) return false;
+  for (const fs::path& output : outputs) {
+    const Json meta = provenance_beside(output);
+    for (std::string& sum : sums_of_inputs(meta)) known.insert(std::move(sum));
+    if (meta.is_object() && meta.contains("sha256") && meta["sha256"].is_string()) known.insert(meta["sha256"]);
+  }
+  return std::all_of(outputs.begin(), outputs.end(), [&](const fs::path& output) {
+    return !fs::exists(output) || known.contains(sha256_of_file(output));
+  });
+}
 
 std::string sha256_of_file(const fs::path& path) {
   const std::optional<Content> content = content_of(path);
@@ -163,7 +194,7 @@ std::optional<std::string> parameter_in_provenance(const fs::path& file, const s
   return found->get<std::string>();
 }
 
-std::string provenance(const Run& run, const std::vector<fs::path>& inputs) {
+std::string provenance(const Run& run, const std::vector<fs::path>& inputs, const std::string& sha256) {
   Values files;
   for (const fs::path& input : inputs)
     files.push_back(Object{{"path", input_name(input)}, {"sha256", sha256_of_file(input)}});
@@ -172,6 +203,7 @@ std::string provenance(const Run& run, const std::vector<fs::path>& inputs) {
               {"commit", std::string(commit())},
               {"seed", run.common.seed},
               {"inputs", files}};
+  if (!sha256.empty()) meta.emplace_back("sha256", sha256);
   if (std::string ffmpeg = audio::ffmpeg_version_used(); !ffmpeg.empty()) meta.emplace_back("ffmpeg", ffmpeg);
   meta.emplace_back("parameters", object_of(run.parameters));
   return json_text(meta, 2) + "\n";

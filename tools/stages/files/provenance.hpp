@@ -31,10 +31,20 @@ bool is_provenance(const std::filesystem::path& path);
 /// command has no such option. @throws FileError where the provenance is none
 std::optional<std::string> parameter_in_provenance(const std::filesystem::path& file, const std::string& option);
 
+/// SHA-256 of a text, in hexadecimal.
+std::string sha256_of(const std::string& text);
+
+/// Did this program make the outputs from these very inputs, and has nobody changed one since? So say the provenances:
+/// that of the first names the inputs, and each output that is there has the SHA-256 that its own provenance, or that
+/// of another output which was made of it, states. @throws FileError where an input cannot be read
+bool are_unchanged_and_of(const std::vector<std::filesystem::path>& outputs,
+                          const std::vector<std::filesystem::path>& inputs);
+
 /// What is told of an output: command line, version, commit, seed, inputs with their SHA-256, and all parameters as
 /// resolved. Made before the output gets its name, so that an input that cannot be read again leaves no output behind.
-/// @throws FileError, Interrupted
-std::string provenance(const Run& run, const std::vector<std::filesystem::path>& inputs);
+/// @param sha256  of the output, where it is known. @throws FileError, Interrupted
+std::string provenance(const Run& run, const std::vector<std::filesystem::path>& inputs,
+                       const std::string& sha256 = {});
 
 /// Puts an output in its place, and its provenance beside it: both, or neither. @throws FileError
 void commit_with_provenance(OutputFile& file, const std::filesystem::path& output, const std::string& provenance);

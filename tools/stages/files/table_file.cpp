@@ -97,7 +97,7 @@ void TableWriter::finish(const std::vector<fs::path>& inputs) {
 
 void write_text(const Run& run, const fs::path& path, const std::string& content, const std::vector<fs::path>& inputs) {
   throw_if_stop_requested();
-  const std::string origin = provenance(run, inputs);
+  const std::string origin = provenance(run, inputs, sha256_of(content));
   OutputFile file(path, run.common.force);
   std::ofstream out(file.temporary_path(), std::ios::binary | std::ios::trunc);
   out.write(content.data(), static_cast<std::streamsize>(content.size()));

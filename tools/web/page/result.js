@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What was found: the answer in sentences, ε(v), distributions, notes. (explanations, answerCurve, number, element: report's answer.js, text.js)
+// What was found: the answer in sentences, ε(v), distributions, notes. (explanations, answerCurve, causesBox, number, element: report's answer.js, text.js)
 import {drawPicture, paddedRange} from './picture.js';
 
 const $ = id => document.getElementById(id);
 
 export function showAnswer(result) {
-  const [lead, ...rest] = result.answer?.sentences ?? [result.message || 'No bouncing ball was found in this sound.'];
-  $('answer').replaceChildren(element('p', {class: 'lead'}, lead), ...rest.map(s => element('p', {}, s)),
-                              ...(result.answer && explanations(result.answer) ? [element('p', {class: 'caption'}, explanations(result.answer))] : []));
   // what the command line calls an option is a field here
   const plain = w => w.replace(/\s*\((--[a-z-]+(, )?)+\)/g, '').replace(/\+-/g, '±').replace(/\beps\b/g, 'ε');
+  const [lead, ...rest] = result.answer?.sentences ?? [result.message || 'No bouncing ball was found in this sound.'];
+  $('answer').replaceChildren(element('p', {class: 'lead'}, lead), ...[...rest, ...(result.answer?.doubt ? [plain(result.answer.doubt)] : [])].map(s => element('p', {}, s)),
+                              ...(result.answer && explanations(result.answer) ? [element('p', {class: 'caption'}, explanations(result.answer))] : []));
+  const causes = result.fitted?.causes ?? [];
+  $('why').replaceChildren(...(causes.length ? [causesBox(causes)] : []));
   $('notes').replaceChildren(...result.warnings.map(w => element('li', {}, plain(w))));
   $('notes-section').hidden = !result.warnings.length;
 }

@@ -56,8 +56,18 @@ struct PlainAnswer {
   DropsSeen seen;
   std::vector<RecordingAnswer> recordings;  ///< empty where there is one
   std::vector<std::string> sentences;       ///< all of this in words, most important first
+  std::string doubt;                        ///< one sentence, what makes it uncertain; empty: nothing to be named
 };
 const Description& members_of(const PlainAnswer*);
+
+/// A reason why eps is not the same at every bounce.
+struct Cause {
+  std::string name;            ///< "speed", "air", "roughness"
+  std::optional<double> size;  ///< by how much it changes eps in this recording; absent: not known
+  bool is_seen = false;        ///< the data show it
+  std::string sentence;
+};
+const Description& members_of(const Cause*);
 
 /// A question that a reader of the report has, and the answer that follows from the fit.
 struct Finding {
@@ -70,6 +80,7 @@ struct FitInWords {
   PlainAnswer answer;
   std::vector<std::string> warnings;  ///< what may make another answer, most important first, at most three
   std::vector<std::string> details;   ///< what else is to be said of the data and of the constants
+  std::vector<Cause> causes;          ///< the three, largest first; empty without an answer
   std::vector<Finding> findings;      ///< how eps depends on speed, how sure, what limits it ...; empty without a law
 };
 const Description& members_of(const FitInWords*);
@@ -79,8 +90,15 @@ void withhold_answer(const std::string& why, FitInWords& words);
 
 /// @param samples  all that were given to the fit, in any order, also those that it left out
 /// @param memory   as the fit was asked for: a fit with memory that does not hold is worth a warning where it was
+/// @param pool     one answer for all recordings; else only where they are seen to agree
 FitInWords in_words(const fit::FitResult& result, const RestitutionSamples& samples,
-                    fit::UseMemory memory = fit::UseMemory::where_long);
+                    fit::UseMemory memory = fit::UseMemory::where_long, bool pool = false);
+
+/// The first of the warnings that the answer does not say itself, as a sentence, becomes the answer's doubt.
+void choose_doubt(const std::vector<std::string>& warnings, FitInWords& words);
+
+/// "a.wav: ε = 0.9477 ± 0.0003 (95 %: 0.9470 to 0.9484) at 0.25 m/s", or why there is none.
+std::string in_words(const RecordingAnswer& recording);
 
 /// All warnings of one recording, its detection's among them, most important first: three remain, the others become
 /// details, and `words` has those of its own that remain.

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Why eps is not the same at every bounce: the speed, the air, the roughness, each by its size in this recording.
+#include <algorithm>
+#include <cmath>
+
+#include "bouncelab/core/elementary.hpp"
+#include "bouncelab/core/samples.hpp"
+#include "bouncelab/core/text.hpp"
+#include "words.hpp"
+
+namespace bouncelab::report {
+using namespace fit;
+namespace {
+
+std::string speed(double v_mps) { return formatted("%.2g m/s", v_mps); }
+
+/// "0.0069": two digits, without a power of ten.
+std::string size_text(double x) {
+  return formatted("%.*f", std::clamp(1 - static_cast<int>(std::floor(log10(std::max(x, 1e-9)))), 1, 9), x);
+}
+
+/// The change of eps between the least and the greatest speed; seen where the answer states one.
+Cause of_speed(const FitResult& result, const PlainAnswer& answer) {
+  Cause cause{"speed", {}, !answer.elsewhere.empty(), {}};
+  const auto& nodes = nodes_of(result, answer.with_memory);
+  if (nodes.size() < 2) {
+    cause.sentence = "Whether the speed matters is not known: too few speeds.";
+    return cause;
+  }
+  const NodeEstimate &slow = nodes.front(), &fast = nodes.back();
+  cause.size = std::abs(fast.eps.value - slow.eps.value);
+  const std::string between = " between " + speed(slow.v_mps) + " and " + speed(fast.v_mps);
+  if (!cause.is_seen)
+    cause.sentence = "That the speed matters is not seen" + between + ".";
+  else if (fast.eps.value < slow.eps.value)
+    cause.sentence = "the speed: a faster ball is pressed in more and loses more, ε falls by " +
+                     size_text(*cause.size) + between + ".";
+  else
+    cause.sentence = "the speed: ε rises by " + size_text(*cause.size) + between + ".";
+  return cause;
+}
+
+/// What drag takes from eps as the intervals have it, at the fastest bounce more than at the slowest:
+/// eps kappa v^2 (1 + eps^2) / (4 g), docs/physics.md.
+Cause of_air(const FitResult& result, const PlainAnswer& answer, const RestitutionSamples& samples) {
+  Cause cause{"air", {}, false, {}};
+  const auto& nodes = nodes_of(result, answer.with_memory);
+  const bool ball_is_named = !samples.empty() && samples.front().conditions.ball.has_value();
+  if (!result.averaged || !result.averaged->kappa_per_m || nodes.size() < 2) {
+    cause.sentence = "No effect of the air is seen or taken into account.";
+    return cause;
+  }
+  const double g_mps2 = samples.front().conditions.gravity_mps2.value_or(kDefaultGravity_mps2);
+  const Estimate& kappa_per_m = *result.averaged->kappa_per_m;
+  const double eps = answer.at->eps.value, fast = nodes.back().v_mps, slow = nodes.front().v_mps;
+  const double by_kappa = eps * (1.0 + eps * eps) * (square(fast) - square(slow)) / (4.0 * g_mps2);
+  if (!ball_is_named) {
+    cause.sentence = "What the air does is not known";
+    if (kappa_per_m.ci95)
+      cause.sentence += " (" + size_text(by_kappa * kappa_per_m.ci95->lo) + " to " +
+                        size_text(by_kappa * kappa_per_m.ci95->hi) + " of ε)";
+    cause.sentence += ": name the ball.";
+    return cause;
+  }
+  cause.size = by_kappa * kappa_per_m.value;
+  cause.is_seen = true;
+  cause.sentence = "the air, which slows fast flights most: the time from bounce to bounce makes ε look " +
+                   size_text(*cause.size) + " smaller at " + speed(fast) + " than at " + speed(slow) +
+                   " (taken out of the values here).";
+  return cause;
+}
+
+/// The width of the band that holds two thirds of the bounces, at the middle speeds; seen where it is wider than the
+/// errors of the times make it.
+Cause of_roughness(const FitResult& result) {
+  Cause cause{"roughness", {}, false, {}};
+  const auto& rows = result.budget.rows;
+  const BudgetRow* row = rows.empty() ? nullptr : &rows[rows.size() / 2];
+  if (!row || !row->spread_asperities) {
+    cause.sentence = "Whether ball and floor are rough is not known: too few bounces.";
+    return cause;
+  }
+  cause.size = 2.0 * *row->spread_asperities;
+  const double timing = std::max(row->spread_timing_stated.value_or(0.0), row->spread_timing_lag1.value_or(0.0));
+  cause.is_seen = *row->spread_asperities > timing;
+  cause.sentence = cause.is_seen
+                       ? "the roughness of ball and floor: each bounce meets another spot, which turns some of "
+                         "the motion into spin or back; two thirds of the bounces lie in a band of " +
+                             size_text(*cause.size) + ", wider than errors of the times make it."
+                       : "That ball or floor is rough is not seen: errors of the times explain the scatter.";
+  return cause;
+}
+
+}  // namespace
+
+std::vector<Cause> causes_of(const FitResult& result, const PlainAnswer& answer, const RestitutionSamples& samples) {
+  if (!answer.at) return {};
+  std::vector<Cause> causes{of_speed(result, answer), of_air(result, answer, samples), of_roughness(result)};
+  std::stable_sort(causes.begin(), causes.end(), [](const Cause& a, const Cause& b) {
+    return (a.is_seen ? *a.size : -1.0) > (b.is_seen ? *b.size : -1.0);
+  });
+  for (std::size_t k = 0; k < causes.size(); ++k)
+    if (causes[k].is_seen)
+      causes[k].sentence = (k == 0                                    ? "Mostly "
+                            : *causes[k].size > 0.5 * *causes[0].size ? "Nearly as much "
+                            : *causes[k].size > 0.1 * *causes[0].size ? "Less "
+                                                                      : "Hardly ") +
+                           causes[k].sentence;
+  return causes;
+}
+
+}  // namespace bouncelab::report

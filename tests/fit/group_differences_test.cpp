@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bouncelab/fit/group_differences.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+#include "bouncelab/core/random.hpp"
+#include "synthetic_samples.hpp"
+
+namespace bouncelab::fit {
+namespace {
+
+using Groups = std::vector<std::pair<std::string, RestitutionSamples>>;
+
+struct Plate {
+  double shift = 0.0;  ///< of eps
+  std::size_t n_drops = 5, n_impacts = 40;
+  double sd_between_drops = 0.0;
+  RestitutionLaw law = SeriesLaw{};
+};
+
+/// Two exponentials about the law, and an offset of each drop.
+Groups groups_of(const std::vector<Plate>& plates, std::uint64_t seed) {
+  Groups groups;
+  for (std::size_t p = 0; p < plates.size(); ++p) {
+    testing::SyntheticRun run;
+    run.seed = 100 * seed + p;
+    run.below_at_1mps = 2e-3;
+    run.above_at_1mps = 1.5e-3;
+    const Plate& plate = plates[p];
+    run.law = plate.law;
+    RestitutionSamples samples = testing::independent_samples(run, plate.n_drops * plate.n_impacts, 0.25, 1.3, 1e-4);
+    Random random(run.seed, RandomStream::test, 1);
+    std::vector<double> of_drop;
+    for (std::size_t d = 0; d < plate.n_drops; ++d) of_drop.push_back(plate.sd_between_drops * random.normal());
+    for (std::size_t k = 0; k < samples.size(); ++k) {
+      samples[k].drop = static_cast<std::int64_t>(k % plate.n_drops);
+      samples[k].eps += plate.shift + of_drop[k % plate.n_drops];
+    }
+    groups.emplace_back(std::string(1, static_cast<char>('a' + p)), std::move(samples));
+  }
+  return groups;
+}
+
+/// Share of experiments in which the plates are said to differ at 5 %; BOUNCELAB_SEEDS: how many experiments.
+double share_told_apart(const std::vector<Plate>& plates, std::size_t n = 60) {
+  if (const char* more = std::getenv("BOUNCELAB_SEEDS")) n = static_cast<std::size_t>(std::atoi(more));
+  std::size_t n_told = 0;
+  for (std::uint64_t seed = 1; seed <= n; ++seed)
+    n_told += compare_groups(groups_of(plates, seed)).rows.at(0).p_value.value() < 0.05;
+  const double share = static_cast<double>(n_told) / static_cast<double>(n);
+  std::printf("plates %zu x %zu, sd %g, shift %g: told apart in %.3f\n", plates[0].n_drops, plates[0].n_impacts,
+              plates[0].sd_between_drops, plates[1].shift, share);
+  return share;
+}
+
+constexpr double kSd = 3e-3;
+// of 60 experiments at 5 % at most 9 in 99.9 of 100 cases
+constexpr double kMostFalse = 9.0 / 60.0;
+
+TEST(GroupDifferences, OfEqualPlatesAreClaimedNoMoreOftenThanFiveTimesInAHundred) {
+  EXPECT_LE(share_told_apart({{}, {}}), kMostFalse);
+  EXPECT_LE(share_told_apart({{0.0, 2, 40}, {0.0, 2, 40}}), kMostFalse);
+}
+
+TEST(GroupDifferences, OfEqualPlatesWhoseDropsDifferAreClaimedNoMoreOften) {
+  EXPECT_LE(share_told_apart({{0.0, 5, 40, kSd}, {0.0, 5, 40, kSd}}), kMostFalse);
+  EXPECT_LE(share_told_apart({{0.0, 2, 40, kSd}, {0.0, 3, 40, kSd}}), kMostFalse);
+  EXPECT_LE(share_told_apart({{0.0, 10, 6, kSd}, {0.0, 5, 6, kSd}}), kMostFalse);
+}
+
+TEST(GroupDifferences, OfTwiceTheSpreadOfDropsAreSeenMostly) {
+  // 2 sd with 5 drops each: t = 2 sqrt(5/2) = 3.2 at 8 degrees of freedom, power .80; three binomial errors of 60
+  EXPECT_GE(share_told_apart({{0.0, 5, 40, kSd}, {2.0 * kSd, 5, 40, kSd}}), 0.64);
+  // without spread the scatter decides: 4e-3 over 200 samples is .0003, .0015 is five of that
+  EXPECT_GE(share_told_apart({{}, {1.5e-3}}), 0.9);
+}
+
+TEST(GroupDifferences, HoldTheTrueDifferenceAtEachNodeAndOfEachConstant) {
+  const std::size_t kSeeds = 40;
+  const SeriesLaw first;
+  SeriesLaw second = first;
+  second.a[2] += 0.01;  // A2
+  std::size_t n_node = 0, n_other_node = 0, n_constant = 0;
+  const auto holds = [](const Estimate& e, double truth) { return e.ci95->lo < truth && truth < e.ci95->hi; };
+  for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
+    const GroupDifferences found =
+        compare_groups(groups_of({{0.0, 5, 40, 0.0, first}, {0.0, 5, 40, 0.0, second}}, seed));
+    ASSERT_EQ(found.rows.size(), 1u) << found.message;
+    EXPECT_EQ(found.ndf, 8.0);
+    const GroupDifference& row = found.rows.front();
+    ASSERT_EQ(row.nodes.size(), 3u);
+    ASSERT_EQ(row.parameters.size(), 3u);
+    const auto truth_at = [&](double v_mps) { return restitution(second, v_mps) - restitution(first, v_mps); };
+    n_node += holds(row.nodes.front().eps, truth_at(row.nodes.front().v_mps));
+    n_other_node += holds(row.nodes.back().eps, truth_at(row.nodes.back().v_mps));
+    n_constant += holds(row.parameters.front().estimate, 0.01);
+  }
+  // of 40 intervals of 95 % at least 33 in 99.9 of 100 cases
+  EXPECT_GE(n_node, 33u);
+  EXPECT_GE(n_other_node, 33u);
+  EXPECT_GE(n_constant, 33u);
+  // and where drops differ
+  std::size_t n_offset = 0;
+  n_node = 0;
+  for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
+    const GroupDifferences found = compare_groups(groups_of({{0.0, 5, 40, kSd}, {0.01, 5, 40, kSd}}, seed));
+    n_offset += holds(found.rows[0].offset, 0.01);
+    n_node += holds(found.rows[0].nodes.front().eps, 0.01);
+  }
+  EXPECT_GE(n_offset, 33u);
+  EXPECT_GE(n_node, 33u);
+}
+
+TEST(GroupDifferences, OfOneDropEachHaveAnErrorAndNoTest) {
+  const GroupDifferences found = compare_groups(groups_of({{0.0, 1, 40}, {0.01, 1, 40}}, 3));
+  ASSERT_EQ(found.rows.size(), 1u);
+  EXPECT_EQ(found.ndf, 0.0);
+  EXPECT_FALSE(found.rows[0].p_value || found.deviation);
+  EXPECT_NEAR(found.rows[0].offset.value, 0.01, 5.0 * *found.rows[0].offset.se);
+}
+
+TEST(GroupDifferences, OfThreePlatesAreThreeAndOfRecordingsOfOnePlateTheUnitsAreRecordings) {
+  Groups groups = groups_of({{}, {}, {}}, 1);
+  for (auto& [name, samples] : groups)
+    for (RestitutionSample& s : samples) s.recording = name + (s.drop < 2 ? "1" : "2");
+  const GroupDifferences found = compare_groups(groups);
+  EXPECT_EQ(found.unit, GroupUnit::recordings);
+  EXPECT_EQ(found.ndf, 3.0);
+  EXPECT_EQ(found.rows.size(), 3u);
+}
+
+TEST(GroupDifferences, OfFewBouncesAreOfOneEpsAndOfNoneSayWhy) {
+  const GroupDifferences few = compare_groups(groups_of({{0.0, 3, 5}, {0.05, 3, 5}}, 2));
+  ASSERT_EQ(few.rows.size(), 1u) << few.message;
+  EXPECT_EQ(few.rows[0].nodes.size(), 1u);
+  EXPECT_EQ(few.rows[0].parameters.at(0).name, "eps");
+  EXPECT_LT(few.rows[0].p_value.value(), 0.01);  // ten times the scatter
+  EXPECT_THAT(compare_groups({{"a", {}}, {"b", {}}}).message, ::testing::HasSubstr("0 usable samples"));
+}
+
+}  // namespace
+}  // namespace bouncelab::fit
