@@ -66,7 +66,7 @@ TEST_F(FitCommand, OfOneDropNamesTheConstantsAndKeepsTheCurve) {
 
 TEST_F(FitCommand, RowsThatAreNoNumberOrHaveNoSpeedAreCountedAndNamed) {
   std::string samples = table(2000, 0.2, 1.4);
-  samples += "21,0,nan,0.98,1e-4\n21,1,0.5,,1e-4\n21,2,0,0.98,1e-4\n";
+  samples += "99,0,nan,0.98,1e-4\n99,1,0.5,,1e-4\n99,2,0,0.98,1e-4\n";  // a drop of its own
   const Result result = fit(samples);
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_THAT(result.err, testing::HasSubstr("2 of the samples left out: not finite; the first is number 2001"));

@@ -159,7 +159,7 @@ TEST(MemoryOfFitAll, GivesAnswerQuestionsAndDemCodesOneSetOfNumbers) {
   // the mean of eps at a speed over the draws, and eps there of the mean of the law's linear coordinates
   const NodeEstimate& middle = memory.nodes[memory.nodes.size() / 2];
   EXPECT_EQ(result.dem_export->v_mps, middle.v_mps);
-  EXPECT_NEAR(result.dem_export->eps, middle.eps.value, 1e-12);
+  EXPECT_NEAR(result.dem_export->peak, middle.eps.value, 1e-12);
   for (const Finding& f : in_words(result, drops(true)).findings) {
     const bool is_dependence = f.question == "How does ε depend on speed?";
     const bool is_comparison = f.question == "Do the fluctuations remember?";

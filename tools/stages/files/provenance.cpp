@@ -13,7 +13,6 @@
 #include <map>
 #include <mutex>
 #include <nlohmann/json.hpp>
-#include <set>
 #include <tuple>
 
 #include "bouncelab/audio/audio_reader.hpp"
@@ -115,6 +114,12 @@ std::vector<std::string> sums_of_inputs(const Json& meta) {
   return sums;
 }
 
+/// The sum of the output that a provenance is of; empty where it has none.
+std::string sum_in(const Json& meta) {
+  return meta.is_object() && meta.contains("sha256") && meta["sha256"].is_string() ? meta["sha256"].get<std::string>()
+                                                                                   : "";
+}
+
 /// Discarded where it is missing or none.
 Json provenance_beside(const fs::path& file) {
   const fs::path path = provenance_path(file);
@@ -130,17 +135,11 @@ std::string sha256_of(const std::string& text) {
 }
 
 bool are_unchanged_and_of(const std::vector<fs::path>& outputs, const std::vector<fs::path>& inputs) {
-  std::set<std::string> known;  // sums of what was written, as the provenances tell
   std::vector<std::string> of_inputs;
   for (const fs::path& input : inputs) of_inputs.push_back(sha256_of_file(input));
   if (sums_of_inputs(provenance_beside(outputs.front())) != of_inputs) return false;
-  for (const fs::path& output : outputs) {
-    const Json meta = provenance_beside(output);
-    for (std::string& sum : sums_of_inputs(meta)) known.insert(std::move(sum));
-    if (meta.is_object() && meta.contains("sha256") && meta["sha256"].is_string()) known.insert(meta["sha256"]);
-  }
-  return std::all_of(outputs.begin(), outputs.end(), [&](const fs::path& output) {
-    return !fs::exists(output) || known.contains(sha256_of_file(output));
+  return std::all_of(outputs.begin(), outputs.end(), [](const fs::path& output) {
+    return !fs::exists(output) || sum_in(provenance_beside(output)) == sha256_of_file(output);
   });
 }
 
@@ -189,6 +188,7 @@ std::optional<std::string> parameter_in_provenance(const fs::path& file, const s
   const Json meta = json_in(path);
   if (meta.is_discarded()) throw FileError(path.string(), "is not JSON; delete it, or name the ball (--ball, --plate)");
   if (!meta.is_object() || !meta.contains("parameters") || !meta["parameters"].is_object()) return std::nullopt;
+  if (const std::string sum = sum_in(meta); !sum.empty() && sum != sha256_of_file(file)) return std::nullopt;
   const auto found = meta["parameters"].find(option);
   if (found == meta["parameters"].end() || !found->is_string()) return std::nullopt;
   return found->get<std::string>();

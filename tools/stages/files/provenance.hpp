@@ -27,16 +27,16 @@ std::filesystem::path provenance_path(const std::filesystem::path& output);
 /// Whether a file is a provenance that this program wrote.
 bool is_provenance(const std::filesystem::path& path);
 
-/// The value of an option of the command that wrote a file; absent where no provenance lies beside the file, or the
-/// command has no such option. @throws FileError where the provenance is none
+/// The value of an option of the command that wrote a file; absent where no provenance lies beside the file, it is that
+/// of another content, or the command has no such option. @throws FileError where the provenance is none
 std::optional<std::string> parameter_in_provenance(const std::filesystem::path& file, const std::string& option);
 
 /// SHA-256 of a text, in hexadecimal.
 std::string sha256_of(const std::string& text);
 
 /// Did this program make the outputs from these very inputs, and has nobody changed one since? So say the provenances:
-/// that of the first names the inputs, and each output that is there has the SHA-256 that its own provenance, or that
-/// of another output which was made of it, states. @throws FileError where an input cannot be read
+/// that of the first names the inputs, and each output that is there has the SHA-256 that its own states. @throws
+/// FileError where an input cannot be read
 bool are_unchanged_and_of(const std::vector<std::filesystem::path>& outputs,
                           const std::vector<std::filesystem::path>& inputs);
 

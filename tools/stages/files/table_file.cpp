@@ -91,7 +91,7 @@ void TableWriter::add(std::size_t k, const Table& rows) {
 void TableWriter::finish(const std::vector<fs::path>& inputs) {
   throw_if_stop_requested();
   close_written(out_, path_);
-  const std::string origin = provenance(run_, inputs);
+  const std::string origin = provenance(run_, inputs, sha256_of_file(file_.temporary_path()));
   commit_with_provenance(file_, path_, origin);
 }
 
