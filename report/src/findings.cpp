@@ -107,7 +107,8 @@ std::string limits(const FitResult& r) {
   part(row.share_timing, "timing");
   part(row.share_travel_time, "travel time of the sound");
   part(row.share_unexplained, "not explained");
-  std::string text = formatted("Of the variance of ε at %.2g m/s: ", row.v_mps) + joined(parts) + ".";
+  std::string text = formatted("Of the scatter of ε from bounce to bounce, as variance at %.2g m/s: ", row.v_mps) +
+                     joined(parts) + ".";
   // two exponentials have a kurtosis of 6: the variance of n samples is known to sqrt(5/n)
   if (const double random_share = std::sqrt(5.0 / static_cast<double>(row.n));
       row.share_unexplained >= 0.001 && row.n > 0)
@@ -115,9 +116,15 @@ std::string limits(const FitResult& r) {
                       std::min(100.0, 100.0 * random_share));
   if (row.se_curve)
     text += formatted(
-        " With %.0f samples that leaves a standard error of %.1e of the curve there; four times the samples "
+        " With %.0f samples that by itself leaves a standard error of %.1e of the curve there; four times the samples "
         "halve it.",
         static_cast<double>(r.n_used), *row.se_curve);
+  if (r.averaged) {  // the shares of two that depend on each other may both be 100 %
+    const double contact = r.averaged->share_of_contact, drag = r.averaged->share_of_drag;
+    if (std::max(contact, drag) >= 0.01)
+      text += formatted(" Of the variance of the answer %.0f %% is ", 100.0 * std::max(contact, drag)) +
+              (drag > contact ? "how strongly the air slows the ball." : "how long the ball touches the floor.");
+  }
   const auto shift = [&](std::optional<double> BudgetRow::*member, const char* cause) {
     const auto size = [&](const BudgetRow& b) { return std::abs((b.*member).value_or(0.0)); };
     const auto worst = std::max_element(r.budget.rows.begin(), r.budget.rows.end(),

@@ -31,11 +31,13 @@ int decimals_for(const Estimate& e) {
 
 std::string rounded(double value, int decimals) { return formatted("%.*f", decimals, value); }
 
-/// "0.9477 ± 0.0003 (95 %: 0.9470 to 0.9484)"
+/// "0.9477 ± 0.0003 (95 %: 0.9470 to 0.9484)"; without ± where the interval reaches beyond three standard errors, since
+/// whoever doubles one would believe too much.
 std::string with_interval(const Estimate& e) {
   const int decimals = decimals_for(e);
   std::string text = rounded(e.value, decimals);
-  if (e.se && *e.se > 0.0) text += " ± " + rounded(*e.se, decimals);
+  const double reach = e.ci95 ? std::max(e.ci95->hi - e.value, e.value - e.ci95->lo) : 0.0;
+  if (e.se && *e.se > 0.0 && reach <= 3.0 * *e.se) text += " ± " + rounded(*e.se, decimals);
   if (e.ci95) text += " (95 %: " + interval_in_words(e) + ")";
   return text;
 }
