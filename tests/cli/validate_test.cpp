@@ -141,7 +141,7 @@ TEST_F(ValidateCommand, GivesAFailedDetectorNeitherSpeedNorSilenceAndEndsWhatItS
                       "--detector 'sh starts.sh {wav}' ") +
           kSmall);
   EXPECT_EQ(result.exit_code, 1);  // none worked anywhere
-  EXPECT_THAT(result.err, HasSubstr("the program failed: ValueError: empty"));
+  EXPECT_THAT(result.err, HasSubstr("the program failed (exit code 1): ValueError: empty"));
   EXPECT_THAT(result.out, HasSubstr("failed in 2 of 2 recordings"));
   const Json found = Json::parse(content_of(folder_ / "o/validation.json"));
   EXPECT_TRUE(found["detectors"][0]["all"]["invented_per_hour"].is_null());

@@ -254,6 +254,12 @@ TEST(ForeignTable, ThatCannotBeToldIsRefusedWithTheRemedy) {
                                                   })),
               testing::AllOf(HasSubstr("frames of a video"), HasSubstr("--as times")));
   EXPECT_THAT(refusal("speed;e\n1.2;0.85\n1.0;0.85\n0.8;0.86\n"), HasSubstr("bouncelab fit"));
+  EXPECT_THAT(refusal("speed;e\n" + lines(std::vector<double>(20),
+                                          [](std::size_t k, double) {
+                                            return formatted("%.2f;0.85", 0.2 + 0.05 * static_cast<double>(
+                                                                                           k));  // spaced as frames are
+                                          })),
+              HasSubstr("bouncelab fit"));
   EXPECT_THAT(refusal("1,600\n2,510\n3,433\n"), HasSubstr("one number or two"));
   EXPECT_THAT(refusal("400000\n1000000\n1510000\n"), HasSubstr("--unit"));
   EXPECT_THAT(refusal("t_s\n0.1\n0.2\nlater\n0.4\n"), HasSubstr("line 4, column 't_s': 'later' is no number"));
@@ -279,6 +285,12 @@ TEST(ForeignTable, OfSpeedsAndCoefficientsIsFoundByItsTitlesOrTold) {
   EXPECT_NEAR(german[1].sigma_eps.value_or(0.0), 0.001 / std::sqrt(12.0), 1e-12);  // of its three decimals
   EXPECT_EQ(samples("a\tb\n0.9\t1.2\n0.8\t1.0\n", "eps=a,v=2")[1].v_mps, 1.0);
   EXPECT_THROW(samples("a\tb\n0.9\t1.2\n"), FileError);
+  try {
+    samples("v;e\n1.2;89\n1.0;90\n0.8;91\n");
+    FAIL() << "per cent were taken";
+  } catch (const FileError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("per cent"));
+  }
 }
 
 TEST(DecodedText, NamesWhatItIsNot) {

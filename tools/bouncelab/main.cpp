@@ -116,6 +116,18 @@ bool is_taken_by_an_output(const Parameters& parameters) {
   });
 }
 
+/// Lines of a summary, in which a file's name does nothing to the terminal.
+std::string harmless(std::string_view text) {
+  std::string safe;
+  while (!text.empty()) {
+    const std::size_t n = std::min(text.find_first_of("\n\t"), text.size());
+    safe += printable(text.substr(0, n), std::max(n * 4, kMessage_characters));  // four characters for a byte: not cut
+    if (n < text.size()) safe += text[n];
+    text.remove_prefix(std::min(n + 1, text.size()));
+  }
+  return safe;
+}
+
 /// @param standard_output_is_taken  by a table, which a summary must not be mixed with
 int report(const Outcome& outcome, const CommonOptions& common, bool standard_output_is_taken) {
   if (!common.quiet)
@@ -130,8 +142,8 @@ int report(const Outcome& outcome, const CommonOptions& common, bool standard_ou
     return print(json_text(result, 2) + "\n", outcome.exit_code);
   }
   if (common.quiet || outcome.text.empty()) return outcome.exit_code;
-  if (!standard_output_is_taken) return print(outcome.text, outcome.exit_code);
-  std::cerr << outcome.text;
+  if (!standard_output_is_taken) return print(harmless(outcome.text), outcome.exit_code);
+  std::cerr << harmless(outcome.text);
   return outcome.exit_code;
 }
 

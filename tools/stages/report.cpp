@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "bouncelab/core/error.hpp"
@@ -26,7 +27,20 @@ const char* const kShown[] = {"fit.json",   "summary.json",     "wave.json",  "p
 std::string content_if_there(const fs::path& path, std::vector<fs::path>& inputs) {
   if (!fs::exists(path)) return {};
   inputs.push_back(path);
-  return whole_content(path);
+  std::string content = whole_content(path);
+  if (!nlohmann::json::accept(content))
+    throw FileError(path.string(),
+                    "is not JSON, or has a number beyond 1e308; make it anew (bouncelab fit, analyze or loop)");
+  return content;
+}
+
+std::string fit_if_there(const fs::path& path, std::vector<fs::path>& inputs) {
+  std::string content = content_if_there(path, inputs);
+  if (content.empty()) return content;
+  const nlohmann::json fit = nlohmann::json::parse(content);
+  if (!fit.is_object() || !fit.contains("law"))
+    throw FileError(path.string(), "is no result of a fit; make it anew (bouncelab fit, analyze or loop)");
+  return content;
 }
 
 std::string samples_if_few(const fs::path& path, const std::string& fit_json, std::vector<fs::path>& inputs) {
@@ -83,7 +97,7 @@ Outcome run_report(const ReportOptions& options, const Run& run) {
   std::vector<fs::path> inputs;
   report::ReportInput input;
   input.title = options.title.empty() ? "Restitution: " + name_of_folder(folder) : options.title;
-  input.fit_json = content_if_there(fit, inputs);
+  input.fit_json = fit_if_there(fit, inputs);
   input.summary_json = content_if_there(folder / "summary.json", inputs);
   input.wave_json = content_if_there(folder / "wave.json", inputs);
   input.paper_json = content_if_there(folder / "paper.json", inputs);

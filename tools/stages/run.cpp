@@ -34,7 +34,7 @@ Parameters parameters_of(const std::vector<Section>& sections, const Given& give
 }
 
 bool names_outputs(const Parameter& parameter) {
-  constexpr std::array kNames{"out", "labels", "truth", "write-surface", "table", "to"};
+  constexpr std::array kNames{"out", "labels", "truth", "write-surface", "table", "histograms", "figures", "to"};
   return std::find(kNames.begin(), kNames.end(), parameter.name) != kNames.end();
 }
 

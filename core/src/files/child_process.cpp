@@ -302,6 +302,8 @@ int ChildProcess::wait() {
 
 bool ChildProcess::ended_well() {
   const int status = wait();
+  if (status != -1 && WIFSIGNALED(status)) end_ = ::strsignal(WTERMSIG(status));
+  if (status != -1 && WIFEXITED(status)) end_ = "exit code " + std::to_string(WEXITSTATUS(status));
   return status != -1 && WIFEXITED(status) && WEXITSTATUS(status) == kWell;
 }
 
@@ -338,7 +340,12 @@ ProgramResult run_program(const std::filesystem::path& program, const std::vecto
   ProgramResult result;
   result.output.resize(most_bytes);
   result.output.resize(running.read(std::as_writable_bytes(std::span(result.output))));
-  if (result.output.size() < most_bytes) result.ended_well = running.ended_well();
+  if (result.output.size() < most_bytes) {
+    result.ended_well = running.ended_well();
+    result.end = running.end();
+  } else {
+    result.end = "more than " + amount(static_cast<double>(most_bytes) / 1e6, "MB") + " of output";
+  }
   result.complaints = running.complaints();
   result.processor_s = running.processor_s();
   return result;

@@ -355,13 +355,13 @@ std::vector<std::int64_t> drops_of(std::span<const double> t_s) {
 
 TakenTable onsets_from_foreign(const ForeignTable& foreign, const std::string& name, const ForeignOptions& options) {
   const std::optional<Sequence> rows = options.columns.empty() ? rows_of_values(foreign) : std::nullopt;
+  const auto eps = column_with(foreign, kEpsWords, {});
+  if (eps && column_with(foreign, kSpeedWords, eps) && options.as == "auto" && options.columns.empty())
+    throw FileError(name, "holds speeds and coefficients of restitution, no times; bouncelab fit takes it");
   if (!rows && uniform_step_s(foreign) && options.as == "auto")
     throw FileError(name,
                     "has times that are equally spaced, as the frames of a video: impact times are needed; leave "
                     "the frames of the impacts only, or say --as times");
-  const auto eps = column_with(foreign, kEpsWords, {});
-  if (eps && column_with(foreign, kSpeedWords, eps) && options.as == "auto" && options.columns.empty())
-    throw FileError(name, "holds speeds and coefficients of restitution, no times; bouncelab fit takes it");
   const Sequence sequence = rows ? *rows : column_of_values(foreign, options, name);
   if (sequence.values.empty()) throw FileError(name, "holds no times or intervals");
   const bool told = options.as != "auto", numbers_fall = fall(sequence);
@@ -445,6 +445,9 @@ TakenTable samples_from_foreign(const ForeignTable& foreign, const std::string& 
     eps_values.push_back({0.0, row.numbers[*eps]->rounding});
   }
   if (used.rows.empty()) throw FileError(name, "has no row with a speed and a coefficient of restitution");
+  if (const double typical = median(values); typical > 2.0)  // above 1 is rare, and 2 no ball has by itself
+    throw FileError(name, column_name(foreign, *eps) + ": coefficients of " + short_number(typical) +
+                              " in the median; are they per cent? Write 0.89 for 89 %");
   TakenTable taken;
   taken.table.columns = {Column{"v_mps", std::move(speeds), decimals_of(speed_values, unit_mps)},
                          Column{"eps", std::move(values), decimals_of(eps_values, 1.0)}};

@@ -127,12 +127,13 @@ void detect_by_program(const Detector& detector, const ValidateOptions& options,
     argument = replaced(argument, "{out}", detector.has_shell ? quoted(file.string()) : file.string());
   }
   const ChildLimits limits{0.0, 0, options.time_limit_s};
-  const ProgramResult result = run_program(detector.program, arguments, sound.string(), -1, limits, kMostOutput_bytes);
+  const ProgramResult result =
+      run_program(detector.program, arguments, sound.filename().string(), -1, limits, kMostOutput_bytes);
   marks.processor_s = result.processor_s;
   if (!result.ended_well) {
     std::string said = result.complaints.substr(0, result.complaints.find_last_not_of("\n\r ") + 1);
     said.erase(0, said.rfind('\n') + 1);  // the last line: above it is where, in Python
-    throw InvalidArgument("the program failed" + (said.empty() ? "" : ": " + printable(said)));
+    throw InvalidArgument("the program failed (" + result.end + ")" + (said.empty() ? "" : ": " + printable(said)));
   }
   if (!detector.ending) {
     marks.onsets = onsets_of_lines(result.output);

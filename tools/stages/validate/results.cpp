@@ -71,13 +71,13 @@ std::vector<std::string> failures_of(const std::vector<Case>& cases, const std::
 }
 
 std::string heading(const std::string& first) {
-  return fmt::format("{:<28}{:>7}{:>7}{:>7}{:>7}{:>11}{:>11}{:>10}{:>9}{:>7}{:>10}\n", first, "F 50ms", "F 5ms",
+  return fmt::format("{:<28}{:>7}{:>7}{:>7}{:>7}{:>11}{:>11}{:>10}{:>10}{:>9}{:>10}\n", first, "F 50ms", "F 5ms",
                      "F 1ms", "F .1ms", "recall 5ms", "jitter us", "x bound", "eps err", "pull", "x real t.");
 }
 
 std::string line_of(const std::string& name, const loop::DetectorScore& s) {
   const auto& a = s.agreement;
-  return fmt::format("{:<28}{:>7}{:>7}{:>7}{:>7}{:>11}{:>11}{:>10}{:>9}{:>7}{:>10}\n", shortened(name),
+  return fmt::format("{:<28}{:>7}{:>7}{:>7}{:>7}{:>11}{:>11}{:>10}{:>10}{:>9}{:>10}\n", shortened(name),
                      number(a[0].f_measure(), 1.0, "{:.3f}"), number(a[1].f_measure(), 1.0, "{:.3f}"),
                      number(a[2].f_measure(), 1.0, "{:.3f}"), number(a[3].f_measure(), 1.0, "{:.3f}"),
                      number(a[1].recall(), 1.0, "{:.3f}"), number(s.within_drops_s, 1e-6, "{:.3g}"),
@@ -87,7 +87,7 @@ std::string line_of(const std::string& name, const loop::DetectorScore& s) {
 
 std::string text_of(const std::vector<Case>& cases, const std::vector<loop::SweepAxis>& lists,
                     const std::vector<DetectorResult>& results) {
-  std::string text = heading(fmt::format("{} recordings", cases.size()));
+  std::string text = heading(fmt::format("{} recording{}", cases.size(), cases.size() == 1 ? "" : "s"));
   for (const DetectorResult& result : results) text += line_of(result.name, score_of_all(result));
   for (const DetectorResult& result : results)
     if (const std::optional<double> rate = score_of_all(result).invented_per_hour())

@@ -78,6 +78,8 @@ class ChildProcess {
 
   /// After the end of its output: waits for the end of a program. @return whether it ended well (exit code 0)
   bool ended_well();
+  /// How it ended, known after that: "exit code 3", "Segmentation fault".
+  const std::string& end() const { return end_; }
   /// The first lines that a program wrote to standard error.
   const std::string& complaints() const { return complaints_; }
   /// Processor time that it and its own children took; known after its end.
@@ -99,7 +101,7 @@ class ChildProcess {
   ChildLimits limits_;
   pid_t child_ = -1;
   int output_ = -1, errors_ = -1;
-  std::string complaints_;
+  std::string complaints_, end_;
   std::chrono::steady_clock::time_point started_{};
   double processor_s_ = 0.0;
 };
@@ -107,6 +109,7 @@ class ChildProcess {
 /// All that a program writes; it has not ended well where that is `most_bytes` or more. @throws FileError, Interrupted
 struct ProgramResult {
   bool ended_well = false;
+  std::string end;  ///< "exit code 3", "Segmentation fault", "more than 64 MB of output"
   std::string output, complaints;
   double processor_s = 0.0;
 };
