@@ -95,6 +95,17 @@ std::string of_few_plates(const Grouping& plates) {
                    fit::in_words(difference, se).c_str());
 }
 
+/// "on average, from 0.018 at 0.2 m/s to 0.030 at 1 m/s" where a difference changes with the speed; empty where it is
+/// not seen to.
+std::string with_the_speed(const std::vector<NodeEstimate>& nodes, double sign) {
+  if (nodes.size() < 2) return "";
+  const NodeEstimate &slow = nodes.front(), &fast = nodes.back();
+  const double se = std::hypot(slow.eps.se.value_or(0.0), fast.eps.se.value_or(0.0));
+  if (std::abs(fast.eps.value - slow.eps.value) < 2.0 * se) return "";
+  return formatted(" on average, from %.2g at %.2g m/s to %.2g at %.2g m/s", sign * slow.eps.value, slow.v_mps,
+                   sign * fast.eps.value, fast.v_mps);
+}
+
 /// "glass and wood differ by more than drops of one plate do: ..."
 std::string of_difference(const GroupDifference& row, GroupUnit unit, bool are_plates) {
   const std::string &a = row.reference, &b = row.group;
@@ -103,7 +114,8 @@ std::string of_difference(const GroupDifference& row, GroupUnit unit, bool are_p
   size.value = std::abs(size.value);
   if (!is_greater) size.ci95 = {-row.offset.ci95->hi, -row.offset.ci95->lo};
   const std::string higher = "ε of " + printable(is_greater ? b : a) + " is " + fit::in_words(size.value, size.se) +
-                             " (95 %: " + interval_in_words(size) + ") above that of " + printable(is_greater ? a : b);
+                             " (95 %: " + interval_in_words(size) + ") above that of " + printable(is_greater ? a : b) +
+                             with_the_speed(row.nodes, is_greater ? 1.0 : -1.0);
   const std::string of_one = std::string(to_string(unit)) + (are_plates ? " of one plate" : " of one recording");
   if (!row.p_value)
     return higher + ". Whether " + of_one +

@@ -8,10 +8,12 @@
 namespace bouncelab::cli {
 namespace {
 
-std::string folder_beside(const std::string& recording) {
-  if (recording == "-") return "standard-input-bouncelab";
-  const std::filesystem::path path = recording;
-  return (path.parent_path() / (path.stem().string() + "-bouncelab")).string();
+/// Of several recordings another than that of the first alone, whose report would be in the way.
+std::string folder_beside(const std::vector<std::filesystem::path>& recordings) {
+  const std::filesystem::path& path = recordings.front();
+  if (path == "-") return "standard-input-bouncelab";
+  const std::string more = recordings.size() > 1 ? "-and-" + std::to_string(recordings.size() - 1) + "-more" : "";
+  return (path.parent_path() / (path.stem().string() + more + "-bouncelab")).string();
 }
 
 Member recordings_or_times() {
@@ -27,7 +29,8 @@ Command analyze_command() {
   static const Description recordings{recordings_or_times(), list_member()};
   static const Description outputs{
       member("out", &O::out,
-             "Folder for onsets, samples, fit and report (default: beside the first recording, its name + -bouncelab)")
+             "Folder for onsets, samples, fit and report (default: beside the first recording, its name + -bouncelab; "
+             "of three NAME-and-2-more-bouncelab)")
           .looks_like("FOLDER"),
       member("pool", &O::pool, "One answer for all recordings, also where they do not agree"),
       member("diagnostics", &O::diagnostics,
@@ -55,7 +58,7 @@ Command analyze_command() {
            {"Fit", &members_of(&options->fit.config), &options->fit.config, {"fit"}, true}},
           [options](Run& run) {
             if (options->out.empty()) {
-              options->out = folder_beside(recordings_of(options->detect).front().string());
+              options->out = folder_beside(recordings_of(options->detect));
               set_parameter(run.parameters, "out", options->out);
             }
             return run_analyze(*options, run);
