@@ -69,6 +69,20 @@ void warn_of_law(const FitResult& result, std::vector<std::string>& warnings) {
 }
 
 /// Where the noise that neighbouring samples share is not what the detector states.
+/// Beyond the speeds measured, by more than a tenth, it is the law that speaks.
+void warn_of_nodes(const std::vector<NodeEstimate>& nodes, const RestitutionSamples& used,
+                   std::vector<std::string>& warnings) {
+  if (used.empty()) return;
+  const auto [slowest, fastest] =
+      std::minmax_element(used.begin(), used.end(), [](const auto& a, const auto& b) { return a.v_mps < b.v_mps; });
+  for (const NodeEstimate& node : nodes)
+    if (node.v_mps < 0.9 * slowest->v_mps || node.v_mps > 1.1 * fastest->v_mps) {
+      warnings.push_back(formatted("ε at %.3g m/s is the law continued: speeds from %.3g to %.3g m/s were measured",
+                                   node.v_mps, slowest->v_mps, fastest->v_mps));
+      return;
+    }
+}
+
 void warn_of_timing(const ErrorBudget& budget, std::vector<std::string>& warnings) {
   if (!budget.timing || !budget.timing->stated_s || !(*budget.timing->stated_s > 0.0)) return;
   const TimingNoise& t = *budget.timing;
@@ -162,6 +176,7 @@ void warn(const FitResult& result, const RestitutionSamples& samples, FitInWords
   const bool no_curve = !quoted.message.empty() && quoted.status != FitStatus::not_identifiable;
   if (no_curve && !result.averaged) first.push_back(quoted.message);
   warn_of_law(result, first);
+  warn_of_nodes(quoted_nodes(result), used, first);
   warn_of_timing(result.budget, first);
   std::vector<std::string>& details = words.details;
   if (first.size() > kMostWarnings) {

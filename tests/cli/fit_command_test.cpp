@@ -274,5 +274,16 @@ TEST_F(FitCommand, TravelTimeIsTakenOutWherePositionsAreKnown) {
   expect_one_line_error(run("restitution o.csv --out t.csv --positions bad.csv"), 3, {"bad.csv", "line 1", "y_m"});
 }
 
+TEST_F(FitCommand, ASpeedBeyondThoseMeasuredAndABallThatIsAnotherAreSaid) {
+  EXPECT_THAT(fit(table(300, 0.3, 1.2), "--nodes 3").err,
+              testing::HasSubstr("ε at 3 m/s is the law continued: speeds from 0.3"));
+  EXPECT_THAT(fit(table(300, 0.3, 1.2), "--nodes 0.6").err, testing::Not(testing::HasSubstr("continued")));
+  write("o.csv", onsets(30));
+  ASSERT_EQ(run("restitution o.csv --ball steel:6mm --out s6.csv").exit_code, 0);
+  const std::string other = "the samples say that they are of steel:6mm";
+  EXPECT_THAT(run("fit s6.csv --ball table-tennis --out f.json --force").err, testing::HasSubstr(other));
+  EXPECT_THAT(run("fit s6.csv --ball steel:6mm --out f.json --force").err, testing::Not(testing::HasSubstr(other)));
+}
+
 }  // namespace
 }  // namespace bouncelab::cli_test

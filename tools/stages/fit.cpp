@@ -138,11 +138,25 @@ Outcome fit_outcome(const fit::FitResult& result, const report::FitInWords& word
   return outcome;
 }
 
+/// Samples that were computed for another ball than the one that they are now said to be of.
+void warn_of_other_ball(const RestitutionSamples& samples, const BallChoice& world,
+                        std::vector<std::string>& warnings) {
+  const std::optional<Ball> ball = ball_of(world);
+  const auto other = std::find_if(samples.begin(), samples.end(), [&](const RestitutionSample& s) {
+    return ball && s.conditions.ball && *s.conditions.ball != *ball;
+  });
+  if (other != samples.end())
+    warnings.push_back("the samples say that they are of " + to_text(*other->conditions.ball) +
+                       ", --ball that they are of " + to_text(*ball) +
+                       ": what was taken out of them for the one is not put back for the other");
+}
+
 Stage<fit::FitResult> run_fit(const FitOptions& options, const Run& run) {
   check_files(run, {options.samples.begin(), options.samples.end()}, {options.out, options.table, options.histograms});
   const std::vector<std::filesystem::path> files(options.samples.begin(), options.samples.end());
   std::vector<std::string> warnings, taken_for;
   RestitutionSamples samples = read_sample_files(files, run.common.n_threads, options.columns, taken_for, warnings);
+  warn_of_other_ball(samples, options.world, warnings);
   name_ball(samples, ball_of(options.world), plate_of(options.world));
   const fit::FitConfig config = fit_config(options, run.common);
   fit::FitResult result = fit::fit_all(samples, config, progress_line(run, "fit", "fits"));
