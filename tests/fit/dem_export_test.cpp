@@ -110,7 +110,7 @@ TEST(DemExport, ContactIsHertzAndDampingEndsWhereTheCodesEndIt) {
 
 TEST(DemExport, TableHasTheCurveAndItsBand) {
   const auto fit = fit_law(testing::independent_samples({}, 2000, 0.2, 1.4, 0.0), {});
-  const Table table = law_table(fit);
+  const Table table = law_table(fit.curve);
   ASSERT_EQ(table.n_rows(), fit.curve.size());
   for (std::size_t k = 0; k < table.n_rows(); ++k) {
     EXPECT_LT((*table.reals("lo95"))[k], (*table.reals("eps"))[k]);

@@ -104,10 +104,10 @@ std::optional<DemExport> dem_export(const LawFit& fit, double v_mps, const std::
   return result;
 }
 
-Table law_table(const LawFit& fit) {
+Table law_table(const std::vector<CurvePoint>& curve) {
   std::vector<double> v, eps, lo, hi;
   constexpr double kNotKnown = std::numeric_limits<double>::quiet_NaN();  // an empty cell
-  for (const CurvePoint& p : fit.curve) {
+  for (const CurvePoint& p : curve) {
     v.push_back(p.x);
     eps.push_back(p.y);
     lo.push_back(p.band95 ? p.band95->lo : kNotKnown);
