@@ -198,15 +198,15 @@ FitResult fit_on_these_threads(const RestitutionSamples& samples, const FitConfi
   const LawFit quoted = quoted_law(result);
   if (!result.law.nodes.empty()) {
     const double v_mps = config.dem_speed_mps.value_or(result.law.nodes[result.law.nodes.size() / 2].v_mps);
-    LawFit shown = quoted;  // with the curve that the answer is of
-    if (!memory_holds(result) && result.averaged && !result.averaged->curve.empty()) {
+    LawFit shown = quoted;
+    shown.curve = quoted_curve(result);
+    if (!memory_holds(result) && result.averaged && !shown.curve.empty()) {
       TableLaw table;
-      for (const CurvePoint& p : result.averaged->curve) {
+      for (const CurvePoint& p : shown.curve) {
         table.v_mps.push_back(p.x);
         table.eps.push_back(p.y);
       }
       shown.law = std::move(table);
-      shown.curve = result.averaged->curve;
     }
     const SampleConditions& conditions = used.front().conditions;
     result.dem_export =
@@ -250,6 +250,11 @@ LawFit quoted_law(const FitResult& result) {
 const std::vector<NodeEstimate>& quoted_nodes(const FitResult& result) {
   if (memory_holds(result)) return result.memory->nodes;
   return result.averaged ? result.averaged->nodes : result.law.nodes;
+}
+
+const std::vector<CurvePoint>& quoted_curve(const FitResult& result) {
+  if (memory_holds(result)) return result.memory->curve;
+  return result.averaged && !result.averaged->curve.empty() ? result.averaged->curve : result.law.curve;
 }
 
 bool usable(const FitResult& result) {

@@ -112,7 +112,7 @@ function handOff() {
   if (!h) return;
   add('h2', {id: 'dem'}, 'In a DEM code');
   add('p', {class: 'caption'}, `Root mean square √⟨ε²⟩ = ${measured(h.eps, h.se)} at ${speed(h.v_mps)}, which keeps the energy; mean ${number(h.mean, 4)}, peak ${number(h.peak, 4)}. Mind: ${h.warning}. Each input is one impact of ${h.ball}, complete; \`bouncelab dem fit.json --code lammps\` prints it.`);
-  const rows = ['v_mps,eps,lo95,hi95', ...((quoted && quoted.curve) || []).map(p => [p.v_mps, p.eps, p.lo95, p.hi95].map(x => x === null ? '' : x).join(','))];
+  const rows = ['v_mps,eps,lo95,hi95', ...answerCurve(fit).map(p => [p.v_mps, p.eps, p.lo95, p.hi95].map(x => x === null ? '' : x).join(','))];
   add('p', {}, element('a', {href: 'data:text/csv;charset=utf-8,' + encodeURIComponent(rows.join('\n') + '\n'), download: 'restitution_law.csv'}, 'ε(v) with its 95% band as a table (CSV)'),
       '; constants with their covariance: fit.json.');
   for (const s of h.snippets || []) {

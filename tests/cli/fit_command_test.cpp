@@ -261,6 +261,17 @@ TEST_F(FitCommand, WithMemoryPrintsTheConstantsOfFitJsonAndNamesTheOthersAsTheCo
   EXPECT_DOUBLE_EQ(std::stod(first), memory.at("curve").at(0).at("eps").get<double>());
 }
 
+TEST_F(FitCommand, TableIsTheCurveThatIsQuoted) {
+  ASSERT_EQ(fit(table(300, 0.2, 1.4), "--table law.csv").exit_code, 0);
+  std::istringstream csv(content_of(folder_ / "law.csv"));
+  std::string line;
+  std::getline(csv, line);
+  for (const auto& point : found().at("averaged").at("curve")) {
+    ASSERT_TRUE(std::getline(csv, line));
+    EXPECT_DOUBLE_EQ(std::stod(line.substr(line.find(',') + 1)), point.at("eps").get<double>()) << line;
+  }
+}
+
 TEST_F(FitCommand, TravelTimeIsTakenOutWherePositionsAreKnown) {
   write("o.csv", onsets(30));
   std::string positions = "drop,impact,x_m,y_m\n";

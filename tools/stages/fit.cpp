@@ -163,8 +163,8 @@ Stage<fit::FitResult> run_fit(const FitOptions& options, const Run& run) {
   const report::FitInWords words = report::in_words(result, samples, config.memory);
   const Object all = report::object_of(result, words);
   write_text(run, options.out, json_text(all, 1) + "\n", files);
-  if (!options.table.empty() && !result.law.curve.empty())
-    write_table(run, options.table, fit::law_table(quoted_law(result)), files);
+  if (!options.table.empty() && !quoted_curve(result).empty())
+    write_table(run, options.table, fit::law_table(quoted_curve(result)), files);
   if (!options.histograms.empty()) write_table(run, options.histograms, fit::histogram_table(result.histograms), files);
   Outcome outcome = fit_outcome(result, words, input_name(files.front()) + more_files(files.size()));
   outcome.text = lines_of(taken_for) + outcome.text;

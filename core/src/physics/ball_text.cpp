@@ -186,6 +186,11 @@ std::string length_text(double length_m) {
   return in_si(text, kQuantities.front()) == length_m ? text : shortest(length_m) + "m";
 }
 
+std::string modulus_text(double modulus_pa) {
+  const std::string text = shortest(modulus_pa / 1e9) + "GPa";
+  return in_si(text, kQuantities[4]) == modulus_pa ? text : shortest(modulus_pa) + "Pa";
+}
+
 std::string formatted_g(double value, const char* unit) {
   std::array<char, 48> buffer{};
   std::snprintf(buffer.data(), buffer.size(), "%.4g %s", value, unit);
@@ -251,7 +256,7 @@ std::string to_text(const Ball& ball) {
   if (text.empty()) {
     text = "diameter=" + length_text(2.0 * ball.radius_m) + ",density=" + shortest(ball.material.density_kgpm3);
     if (ball.material.hertzian)
-      text += ",E=" + shortest(ball.material.youngs_modulus_pa) + "Pa,nu=" + shortest(ball.material.poisson_ratio);
+      text += ",E=" + modulus_text(ball.material.youngs_modulus_pa) + ",nu=" + shortest(ball.material.poisson_ratio);
     text += ",inertia=" + shortest(ball.inertia_factor);
   }
   if (ball.contact_time_s) text += ",contact-time=" + shortest(*ball.contact_time_s) + "s";
@@ -283,7 +288,7 @@ std::string plate_text(const Material& plate) {
     if (kind.material == plate) return kind.name;
     if (of_density == plate) return kind.name + ",density=" + shortest(plate.density_kgpm3);
   }
-  return "E=" + shortest(plate.youngs_modulus_pa) + "Pa,nu=" + shortest(plate.poisson_ratio) +
+  return "E=" + modulus_text(plate.youngs_modulus_pa) + ",nu=" + shortest(plate.poisson_ratio) +
          ",density=" + shortest(plate.density_kgpm3);
 }
 

@@ -34,10 +34,9 @@ constexpr double kFriction = 0.2;  // an example; eps along the normal does not 
 
 Values common(const Decks& decks, const std::string& mark) {
   const DemContact& c = decks.contact;
-  const auto lasts_s = [&](double v_mps) { return c.duration_s * pow(v_mps, -0.2); };
+  // contacts last as v^(-1/5), the way to the plate as 1/v: steps of v^(-1/5), as many as @contact@ + @way@ v^(-4/5)
   constexpr double kSteps = 200.0, kGap = 1e-4;  // a contact; radii above the plate
-  const double step_s = lasts_s(decks.fastest_mps) / kSteps;
-  const double time_s = 2.0 * lasts_s(decks.slowest_mps) + kGap * c.radius_m / decks.slowest_mps;
+  const double step_s = c.duration_s / kSteps;
   return {{"about", commented(decks.about, mark)},
           {"v", number(decks.v_mps)},
           {"R", number(c.radius_m)},
@@ -53,8 +52,8 @@ Values common(const Decks& decks, const std::string& mark) {
           {"kt", number(c.k_t_pa)},
           {"mu", number(kFriction)},
           {"step", number(step_s)},
-          {"time", number(time_s)},
-          {"n", number(std::ceil(time_s / step_s))}};
+          {"contact", number(3.0 * kSteps)},  // with damping they last longer
+          {"way", number(kGap * c.radius_m / step_s)}};
 }
 
 const char* const kLiggghts = R"(# LIGGGHTS; run by: liggghts -in FILE, at another speed: liggghts -in FILE -var v 0.3
@@ -70,10 +69,12 @@ create_box 2 box                      # type 1: balls, type 2: the plate
 neighbor @R@ bin
 neigh_modify delay 0
 @model@fix walk all nve/sphere
-timestep @step@
+variable step equal @step@/$v^0.2   # 200 a contact
+timestep ${step}
 create_atoms 1 single 0 0 @start@ units box
 set atom 1 diameter @diameter@ density @density@ vz -$v
-run @n@
+variable n equal ceil(@contact@+@way@/$v^0.8)
+run ${n}
 variable eps equal vz[1]/$v
 print "eps = ${eps}"
 )";
@@ -113,8 +114,10 @@ pair_style granular
 pair_coeff * * hertz @kn@ @pair@ tangential mindlin @kt@ 1.0 @mu@ damping @damping@
 fix plate all wall/gran granular hertz @kn@ @wall@ tangential mindlin @kt@ 1.0 @mu@ damping @damping@ zplane 0.0 NULL
 fix walk all nve/sphere
-timestep @step@
-run @n@
+variable step equal @step@/$v^0.2   # 200 a contact
+timestep ${step}
+variable n equal ceil(@contact@+@way@/$v^0.8)
+run ${n}
 variable eps equal vz[1]/$v
 print "eps = ${eps}"
 )";
@@ -134,8 +137,8 @@ O.bodies[0].state.vel = (0, 0, -v)
                     [Ip2_FrictMat_FrictMat_MindlinPhys(@betan@)],
                     [Law2_ScGeom_MindlinPhys_Mindlin()]),
 @engine@    NewtonIntegrator(damping=0)]  # damping is 0.2 if it is not set
-O.dt = @step@
-O.run(@n@, True)
+O.dt = @step@ / v**0.2  # 200 a contact
+O.run(math.ceil(@contact@ + @way@ / v**0.8), True)
 print('eps = %.6f' % (O.bodies[0].state.vel[2] / v))
 )";
 // of a ball and a wall Yade's effective radius is R/2
@@ -182,8 +185,8 @@ int main(int argc, char** argv) {
   ball.setPosition(Vec3D(0, 0, @start@));
   ball.setVelocity(Vec3D(0, 0, -v));
   code.particleHandler.copyAndAddObject(ball);
-  code.setTimeStep(@step@);
-  code.setTimeMax(@time@);
+  code.setTimeStep(@step@ / std::pow(v, 0.2));  // 200 a contact
+  code.setTimeMax((@contact@ + @way@ / std::pow(v, 0.8)) * code.getTimeStep());
   code.solve();
   std::cout << "eps = " << code.particleHandler.getObject(0)->getVelocity().Z / v << std::endl;
 }
@@ -240,17 +243,18 @@ std::vector<Snippet> constant_decks(const Decks& decks, double eps) {
   };
 }
 
-std::vector<Snippet> viscoelastic_decks(const Decks& decks, double gamma) {
+std::vector<Snippet> viscoelastic_decks(const Decks& decks, double gamma, ContactEnd end) {
   const char* const model = "viscoelastic";
   const DemContact& c = decks.contact;
   const double a_s = dissipative_constant_s(c, gamma);
   const double eta = 1.5 * a_s * c.k_n_pa / c.mass_kg;  // 2 A E*/m
   const std::string wall = number(eta), pair = number(2.0 * eta);
+  if (end == ContactEnd::surfaces)
+    return {deck("LAMMPS", model, "pair_style granular, second coefficient of hertz with damping viscoelastic", kLammps,
+                 {{"pair", pair}, {"wall", wall}, {"damping", "viscoelastic"}}, decks)};
   return {
       deck("LIGGGHTS", model, "property/global gamman of hertz/stiffness", kLiggghts,
            {{"model", kLiggghtsViscoelastic}, {"eta", wall}, {"eta2", pair}}, decks),
-      deck("LAMMPS", model, "pair_style granular, second coefficient of hertz with damping viscoelastic", kLammps,
-           {{"pair", pair}, {"wall", wall}, {"damping", "viscoelastic"}}, decks),
       deck("Yade", model, "MindlinPhys.betan, at every step", kYade,
            {{"model", kYadeViscoelastic},
             {"engine", "    PyRunner(command='viscoelastic()', iterPeriod=1),\n"},

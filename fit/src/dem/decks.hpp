@@ -17,14 +17,14 @@ struct Decks {
   DemContact contact;
   std::string about;   ///< where the numbers are from; one line or more, without marks of a comment
   double v_mps = 0.0;  ///< of the impact that the input makes where nothing else is asked for
-  double slowest_mps = 0.0, fastest_mps = 0.0;  ///< of the data: the time step and the time are for these
 };
 
 /// One ball, which meets a plate at v and prints eps, in LIGGGHTS, LAMMPS, Yade and MercuryDPM, with a constant eps.
 /// @param eps  in (0, 1]
 std::vector<Snippet> constant_decks(const Decks& decks, double eps);
-/// The same with viscoelastic contacts, in the codes that have them. @param gamma  > 0 [(m/s)^(-1/5)]
-std::vector<Snippet> viscoelastic_decks(const Decks& decks, double gamma);
+/// The same with viscoelastic contacts, in the codes that have them and end them so.
+/// @param gamma  > 0 [(m/s)^(-1/5)]
+std::vector<Snippet> viscoelastic_decks(const Decks& decks, double gamma, ContactEnd end);
 
 /// Speeds with what the samples scatter like there.
 struct ScatterRow {

@@ -18,11 +18,11 @@ double mean_of(const LawFit& fit, double v_mps) {
 double sd_of(const LawFit& fit, double v_mps) { return fit.scatter ? std::sqrt(fit.scatter->variance(v_mps)) : 0.0; }
 
 /// gamma of the viscoelastic sphere that has eps at v; absent where none has: eps is 1, or too small.
-std::optional<double> gamma_at(double eps, double v_mps) {
+std::optional<double> gamma_at(double eps, double v_mps, ContactEnd end) {
   double least = 0.0, most = 10.0;
-  const auto of = [&](double gamma) { return restitution(ViscoelasticLaw{gamma}, v_mps); };
+  const auto of = [&](double gamma) { return viscoelastic_by_motion(gamma, v_mps, end); };
   if (!(eps < 1.0 && eps > of(most))) return std::nullopt;
-  for (int k = 0; k < 60; ++k) {
+  for (int k = 0; k < 40; ++k) {
     const double middle = 0.5 * (least + most);
     (of(middle) > eps ? least : most) = middle;
   }
@@ -41,12 +41,48 @@ std::vector<ScatterRow> scatter_rows(const LawFit& fit) {
   return rows;
 }
 
-/// Greatest distance of a law from the root mean square over the speeds of the data.
-double distance(const LawFit& fit, const RestitutionLaw& law) {
+/// Greatest distance of eps_at(v) from the root mean square over the speeds of the data.
+template <class EpsAt>
+double distance(const LawFit& fit, EpsAt eps_at) {
   double most = 0.0;
-  for (const CurvePoint& p : fit.curve)
-    most = std::max(most, std::abs(restitution(law, p.x) - rms_restitution(fit, p.x)));
+  for (const CurvePoint& p : fit.curve) most = std::max(most, std::abs(eps_at(p.x) - rms_restitution(fit, p.x)));
   return most;
+}
+
+/// How far what the codes bounce is off: by the law, and by 200 steps a contact, with which they bounce 1 - eps to
+/// 0.002 (found at eps of 0.5 to 0.98).
+std::string within(const LawFit& fit, double off, double least_eps) {
+  constexpr double kSteps = 0.002;
+  return formatted("within %.2g of sqrt(<eps^2>) as fitted at %.3g to %.3g m/s", off + kSteps * (1.0 - least_eps),
+                   fit.curve.front().x, fit.curve.back().x);
+}
+
+/// The viscoelastic inputs, each with the gamma for where its code ends contacts, or why there are none.
+void add_viscoelastic(DemExport& result, const Decks& base, const LawFit& fit, double off_constant) {
+  for (const ContactEnd end : {ContactEnd::force, ContactEnd::surfaces}) {
+    const bool parting = end == ContactEnd::surfaces;
+    if (parting && !result.gamma) return;
+    const auto gamma = gamma_at(result.eps, base.v_mps, end);
+    const auto eps_at = [&](double v) { return viscoelastic_by_motion(*gamma, v, end); };
+    const double off = gamma ? distance(fit, eps_at) : 1.0;
+    if (off < 0.5 * off_constant) {
+      if (!parting) result.gamma = gamma;
+      Decks decks = base;
+      decks.about = formatted("viscoelastic sphere, gamma = %.5g (m/s)^(-1/5), ", *gamma) +
+                    within(fit, off, eps_at(fit.curve.back().x)) +
+                    (parting ? "\ngamma is that of contacts which end where surfaces part, as LAMMPS's do\n" : "\n") +
+                    base.about;
+      const auto more = viscoelastic_decks(decks, *gamma, end);
+      result.snippets.insert(result.snippets.end(), more.begin(), more.end());
+    } else {
+      result.warning += parting ? "; no viscoelastic model for LAMMPS, whose contacts end where surfaces part: "
+                                : "; no viscoelastic model: ";
+      result.warning +=
+          gamma ? formatted("a sphere with that ε there is off by up to %.2g elsewhere, the constant by %.2g", off,
+                            off_constant)
+                : "no sphere has that ε";
+    }
+  }
 }
 
 }  // namespace
@@ -67,35 +103,27 @@ std::optional<DemExport> dem_export(const LawFit& fit, double v_mps, const std::
   });
   result.se = point->se;
   const double slowest = fit.curve.front().x, fastest = fit.curve.back().x;
-  const Decks base{dem_contact(ball, plate, v_mps), {}, v_mps, std::min(slowest, v_mps), std::max(fastest, v_mps)};
-  result.ball = base.contact.ball;
-  result.gamma = gamma_at(result.eps, v_mps);
+  Decks decks{dem_contact(ball, plate, v_mps), {}, v_mps};
+  result.ball = decks.contact.ball;
   const std::string at =
       formatted("%.4f at %.3g m/s, root mean square: it keeps the energy that the impacts keep", result.eps, v_mps);
   const std::string ball_line = "\nstiffness, size and mass: " + result.ball + "; friction 0.2 is an example";
-  Decks decks = base;
-  decks.about = "constant coefficient of restitution " + at + ball_line;
+  const double off_constant = distance(fit, [&](double) { return result.eps; });
+  constexpr double kSame = 1e-3;  // of eps
+  const auto how_constant = [&](const char* eps) {
+    if (off_constant < kSame) return formatted("a constant %s is right, ", eps) + within(fit, off_constant, result.eps);
+    return formatted("a constant %s is right at %.3g m/s alone: %s goes from %.4f at %.3g m/s to %.4f at %.3g m/s", eps,
+                     v_mps, eps, rms_restitution(fit, slowest), slowest, rms_restitution(fit, fastest), fastest);
+  };
+  decks.about = "constant coefficient of restitution " + at + "\n" + how_constant("eps") + ball_line;
   result.snippets = constant_decks(decks, result.eps);
-  result.warning =
-      formatted("a constant ε is right at %.3g m/s alone: ε goes from %.4f at %.3g m/s to %.4f at %.3g m/s", v_mps,
-                rms_restitution(fit, slowest), slowest, rms_restitution(fit, fastest), fastest);
+  result.warning = how_constant("ε");
   if (v_mps < slowest || v_mps > fastest) result.warning += formatted("; %.3g m/s lies outside the data", v_mps);
   const auto add = [&](std::vector<Snippet> more) {
     result.snippets.insert(result.snippets.end(), more.begin(), more.end());
   };
-  const double off_constant = distance(fit, ConstantLaw{result.eps});
-  const double off = result.gamma ? distance(fit, ViscoelasticLaw{*result.gamma}) : off_constant;
-  if (off < 0.5 * off_constant) {
-    decks.about = formatted("viscoelastic sphere, gamma = %.5g (m/s)^(-1/5), within %.2g of eps(v) everywhere\n",
-                            *result.gamma, off) +
-                  at + ball_line;
-    add(viscoelastic_decks(decks, *result.gamma));
-  } else {
-    result.gamma.reset();
-    result.warning += formatted(
-        "; no viscoelastic model: a sphere with that ε there is off by up to %.2g elsewhere, the constant by %.2g", off,
-        off_constant);
-  }
+  decks.about = at + ball_line;
+  add_viscoelastic(result, decks, fit, off_constant);
   if (fit.scatter && fastest > slowest)
     add(independent_samplers(scatter_rows(fit), "two exponentials with a normal part"));
   if (memory && memory->law && !memory->curve.empty())
@@ -104,10 +132,10 @@ std::optional<DemExport> dem_export(const LawFit& fit, double v_mps, const std::
   return result;
 }
 
-Table law_table(const LawFit& fit) {
+Table law_table(const std::vector<CurvePoint>& curve) {
   std::vector<double> v, eps, lo, hi;
   constexpr double kNotKnown = std::numeric_limits<double>::quiet_NaN();  // an empty cell
-  for (const CurvePoint& p : fit.curve) {
+  for (const CurvePoint& p : curve) {
     v.push_back(p.x);
     eps.push_back(p.y);
     lo.push_back(p.band95 ? p.band95->lo : kNotKnown);

@@ -53,6 +53,7 @@ double draw_restitution(double v, Generator& generator) {
 )" + table(rows, "      {%.6g, %.6g, %.4g, %.4g, %.4g}", ",\n") +
                           R"(};
   const int n = sizeof rows / sizeof rows[0];
+  v = std::abs(v);
   int k = 0;
   while (k < n - 2 && v > rows[k + 1][0]) ++k;
   double share = std::log(v / rows[k][0]) / std::log(rows[k + 1][0] / rows[k][0]);
@@ -74,7 +75,7 @@ ROWS = np.array([
 
 def draw_restitution(v, random):
     """Coefficients of restitution for approaches at v [m/s], an array; random: numpy.random.default_rng(1)."""
-    v = np.asarray(v, dtype=float)
+    v = np.maximum(np.abs(np.asarray(v, dtype=float)), ROWS[0, 0])
     mean, below, above, normal = (np.interp(np.log(v), np.log(ROWS[:, 0]), column) for column in ROWS[:, 1:].T)
     e = random.exponential(size=(2, *v.shape)) - 1
     return mean + above * e[0] - below * e[1] + normal * random.standard_normal(v.shape)
@@ -106,7 +107,9 @@ Snippet sampler_with_memory(const RestitutionLaw& law, double q, double slowest_
                         fastest_mps) +
               "  return " + std::visit([](const auto& l) { return in_cpp(l); }, law) + ";\n}\n" +
               formatted("const double roughness_q = %.6g;\n", q) +
-              "// at each impact, w a number of the grain that begins as 0, z1 and z2 standard normal random numbers:\n"
+              "// at each impact, v > 0 its speed, w a number of the grain that begins as 0, z1 and z2 standard normal "
+              "random "
+              "numbers:\n"
               "//   eps = bouncelab::restitution_with_memory(v, eps_of_contact, roughness_q, z1, z2, w);\n"};
 }
 

@@ -16,6 +16,19 @@ std::string lower_case(std::string text) {
   return text;
 }
 
+/// Why a fit has no such input.
+std::string why_not(const DemOptions& options, const nlohmann::ordered_json& warning) {
+  std::vector<std::string> models{"fluctuating"};
+  if (options.code == "c++") models.emplace_back("memory");
+  if (options.code == "mercurydpm") models = {"constant"};
+  if (options.code == "lammps" || options.code == "liggghts" || options.code == "yade")
+    models = {"constant", "viscoelastic"};
+  if (!options.model.empty() && std::find(models.begin(), models.end(), options.model) == models.end())
+    return "it has " + models.front() + (models.size() > 1 ? " and " + models.back() : "");
+  if (options.model == "memory") return "the fit with memory does not hold";
+  return options.model == "viscoelastic" ? warning.get<std::string>() : "its samples are of one speed";
+}
+
 }  // namespace
 
 Outcome run_dem(const DemOptions& options) {
@@ -36,8 +49,8 @@ Outcome run_dem(const DemOptions& options) {
                         {"text", outcome.text}};
       return outcome;
     }
-    outcome.error = options.fit + ": nothing " + options.model + " for " + options.code + "; " +
-                    json.at("hand_off").at("warning").get<std::string>();
+    outcome.error = options.fit + ": nothing " + options.model + " for " + options.code + ": " +
+                    why_not(options, json.at("hand_off").at("warning"));
   } catch (const nlohmann::json::exception&) {
     throw FileError(options.fit, "it was written by another version: fit the samples again");
   }

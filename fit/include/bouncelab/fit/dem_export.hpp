@@ -49,7 +49,7 @@ double rms_restitution(const LawFit& fit, double v_mps);
 std::optional<DemExport> dem_export(const LawFit& fit, double v_mps, const std::optional<Ball>& ball,
                                     const std::optional<Material>& plate, const MemoryFit* memory = nullptr);
 
-/// The law as a table v_mps, eps, lo95, hi95.
-Table law_table(const LawFit& fit);
+/// eps(v) as a table v_mps, eps, lo95, hi95.
+Table law_table(const std::vector<CurvePoint>& curve);
 
 }  // namespace bouncelab::fit
