@@ -118,7 +118,7 @@ function handOff() {
   for (const s of h.snippets || []) {
     add('h3', {}, `${s.program}, ${s.model}`);
     add('p', {class: 'caption'}, `fills ${s.parameter}`);
-    add('pre', {tabindex: '0', role: 'region', 'aria-label': `Input lines for ${s.program}`}, s.text);
+    add('pre', {tabindex: '0', role: 'region', 'aria-label': `Input for ${s.program}, ${s.model}`}, s.text);
   }
 }
 
