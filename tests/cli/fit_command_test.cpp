@@ -266,7 +266,8 @@ TEST_F(FitCommand, TableIsTheCurveThatIsQuoted) {
   std::istringstream csv(content_of(folder_ / "law.csv"));
   std::string line;
   std::getline(csv, line);
-  for (const auto& point : found().at("averaged").at("curve")) {
+  const nlohmann::json curve = found().at("averaged").at("curve");
+  for (const auto& point : curve) {
     ASSERT_TRUE(std::getline(csv, line));
     EXPECT_DOUBLE_EQ(std::stod(line.substr(line.find(',') + 1)), point.at("eps").get<double>()) << line;
   }
@@ -281,6 +282,9 @@ TEST_F(FitCommand, TravelTimeIsTakenOutWherePositionsAreKnown) {
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_THAT(result.out, testing::HasSubstr("corrected for travel time"));
   EXPECT_THAT(result.out, testing::HasSubstr("no_position"));
+  write("twice.csv", positions + "0,3,0.5,0.5\n");
+  expect_one_line_error(run("restitution o.csv --out t.csv --positions twice.csv"), 2,
+                        {"line 31", "impact 3 of drop 0"});
   write("bad.csv", "drop,impact,x_m\n0,0,1\n");
   expect_one_line_error(run("restitution o.csv --out t.csv --positions bad.csv"), 3, {"bad.csv", "line 1", "y_m"});
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "files/temporary_file.hpp"
 
+#include <dirent.h>
 #include <fcntl.h>
 #include <poll.h>
 #include <sys/file.h>
@@ -16,6 +17,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <ctime>
+#include <memory>
 #include <string_view>
 #include <system_error>
 #include <utility>
@@ -153,12 +155,13 @@ fs::path folder_for_temporary_files() {
 }
 
 void remove_abandoned_files(const fs::path& folder) {
-  std::error_code error;
   const std::string ours = std::string(kPrefix) + machine() + "-";
-  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
-    const std::string name = entry->path().filename().string();
+  // not by fs::directory_iterator, which ends the process where it gets no memory
+  const std::unique_ptr<DIR, int (*)(DIR*)> entries(::opendir(folder.c_str()), &::closedir);
+  while (const dirent* entry = entries ? ::readdir(entries.get()) : nullptr) {
+    const std::string name = entry->d_name;
     if (name.starts_with(ours) && name.find(kInfix, ours.size()) != std::string::npos)
-      remove_if_abandoned(entry->path(), has_ended(name, ours.size()));
+      remove_if_abandoned(folder / name, has_ended(name, ours.size()));
   }
 }
 

@@ -298,7 +298,10 @@ TravelTime travel_time_from_table(const Table& positions, double wave_speed_mps,
   const auto &drops = *positions.integers("drop"), &impacts = *positions.integers("impact");
   const auto &x = *positions.reals("x_m"), &y = *positions.reals("y_m");
   for (std::size_t k = 0; k < positions.n_rows(); ++k)
-    if (std::isfinite(x[k]) && std::isfinite(y[k])) travel.position_m[{drops[k], impacts[k]}] = {x[k], y[k]};
+    if (std::isfinite(x[k]) && std::isfinite(y[k]) &&
+        !travel.position_m.try_emplace({drops[k], impacts[k]}, std::pair{x[k], y[k]}).second)
+      throw InvalidArgument("positions, " + positions.place_of(k) + ": impact " + std::to_string(impacts[k]) +
+                            " of drop " + std::to_string(drops[k]) + " has a position already; keep one of the rows");
   return travel;
 }
 

@@ -35,6 +35,7 @@ Onsets without_travel_time(Onsets onsets, const TravelTime& travel);
 /// Columns of a table of positions: drop, impact, x_m, y_m.
 std::vector<ColumnSpec> position_columns();
 /// Positions from those columns; a row without numbers has no position.
+/// @throws InvalidArgument where an impact has two
 TravelTime travel_time_from_table(const Table& positions, double wave_speed_mps, double sensor_x_m, double sensor_y_m);
 
 struct RestitutionConfig {
