@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "stages/ball_of_files.hpp"
 
+#include <algorithm>
+
 #include "bouncelab/core/error.hpp"
+#include "bouncelab/core/table.hpp"
 #include "bouncelab/core/text.hpp"
 #include "stages/files/provenance.hpp"
 
@@ -9,34 +12,61 @@ namespace bouncelab::stages {
 
 namespace {
 
-/// The value that an option of the command which wrote the files had; empty: none, or not known.
-std::string common_parameter(const std::vector<std::string>& files, const std::string& option) {
+/// The value that an option had in the files' history; empty: none, or not known.
+/// @param by  the option by which a user may say what holds for all
+std::string common_parameter(const std::vector<std::string>& files, const std::string& option, const std::string& by) {
   std::string first = parameter_in_provenance(files.front(), option).value_or("");
   for (const std::string& file : files)
     if (const std::string other = parameter_in_provenance(file, option).value_or(""); other != first)
       throw InvalidArgument(printable(file) + ": was made with --" + option + " '" + printable(other) + "', but " +
-                            printable(files.front()) + " with '" + printable(first) + "'; name one with --" + option);
+                            printable(files.front()) + " with '" + printable(first) + "'; name one with --" + by);
   return first;
+}
+
+bool are_simulated(const std::vector<std::string>& files) {
+  const auto is_simulated = [](const std::string& file) {
+    return parameter_in_provenance(file, "asperities").has_value();
+  };
+  const auto first = std::find_if(files.begin(), files.end(), is_simulated);
+  const auto other = std::find_if_not(files.begin(), files.end(), is_simulated);
+  if (first != files.end() && other != files.end())
+    throw InvalidArgument(printable(*first) + ": was simulated, " + printable(*other) +
+                          " was not; take them one by one, or say what air there was (--air)");
+  return first != files.end();
 }
 
 }  // namespace
 
 BallChoice with_provenance(BallChoice choice, const std::vector<std::string>& files) {
-  if (choice.ball.empty()) choice.ball = common_parameter(files, "ball");
-  if (choice.plate.empty()) choice.plate = common_parameter(files, "plate");
+  if (choice.ball.empty()) choice.ball = common_parameter(files, "ball", "ball");
+  if (choice.plate.empty()) choice.plate = common_parameter(files, "plate", "plate");
   return choice;
 }
 
-std::optional<bool> air_of_simulation(const std::vector<std::string>& files) {
-  if (common_parameter(files, "asperities").empty()) return std::nullopt;
-  return common_parameter(files, "drag") == "true";
-}
-
-std::optional<double> gravity_of(const std::vector<std::string>& files) {
-  const std::string text = common_parameter(files, "gravity");
+RestitutionOptions with_conditions_of(const std::vector<std::string>& files, RestitutionOptions options,
+                                      const Given& given) {
+  options.world = with_provenance(options.world, files);
+  if (!given.contains("air") && are_simulated(files)) {
+    // contacts of a simulation take no time, and there may be no air
+    options.config.instant_contacts = true;
+    if (common_parameter(files, "drag", "air") != "true") options.config.air_kgpm3 = 0.0;
+  }
+  if (given.contains("gravity")) return options;
+  const std::string text = common_parameter(files, "gravity", "gravity");
   double gravity_mps2 = 0.0;
   const auto [end, status] = from_chars(text.data(), text.data() + text.size(), gravity_mps2);
-  return status == std::errc{} && gravity_mps2 > 0.0 ? std::optional(gravity_mps2) : std::nullopt;
+  if (status == std::errc{} && gravity_mps2 > 0.0) options.config.gravity_mps2 = gravity_mps2;
+  return options;
+}
+
+RestitutionOptions with_conditions_of(const std::vector<std::string>& files, const RestitutionOptions& options,
+                                      Run& run) {
+  RestitutionOptions known = with_conditions_of(files, options, run.given);
+  set_parameter(run.parameters, "ball", known.world.ball);
+  set_parameter(run.parameters, "plate", known.world.plate);
+  set_parameter(run.parameters, "air", short_number(known.config.air_kgpm3));
+  set_parameter(run.parameters, "gravity", short_number(known.config.gravity_mps2));
+  return known;
 }
 
 std::string ball_line(const BallChoice& choice) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "stage_options/ball_choice.hpp"
+#include "stage_options/restitution_options.hpp"
 #include "stages/run.hpp"
 
 namespace bouncelab::stages {
@@ -14,11 +15,13 @@ namespace bouncelab::stages {
 /// @throws FileError where the provenance cannot be read; InvalidArgument where the files were made with several
 BallChoice with_provenance(BallChoice choice, const std::vector<std::string>& files);
 
-/// Whether the balls of simulated impacts flew through air; absent where the files are no simulation's.
-std::optional<bool> air_of_simulation(const std::vector<std::string>& files);
-
-/// Gravity of the command that wrote the files, simulate or detect; absent where it is not known.
-std::optional<double> gravity_of(const std::vector<std::string>& files);
+/// What is known of how the files' impacts came about, where no option says otherwise: ball and plate; of a simulation
+/// gravity and whether there was air (contacts take no time in it). @throws as with_provenance
+RestitutionOptions with_conditions_of(const std::vector<std::string>& files, RestitutionOptions options,
+                                      const Given& given);
+/// The same of a whole run, among whose parameters it stands then.
+RestitutionOptions with_conditions_of(const std::vector<std::string>& files, const RestitutionOptions& options,
+                                      Run& run);
 
 /// What was understood, as a line.
 std::string ball_line(const BallChoice& choice);

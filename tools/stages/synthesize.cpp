@@ -99,7 +99,7 @@ std::filesystem::path others_path(const std::filesystem::path& recording, const 
 class TruthFiles {
  public:
   TruthFiles(const Run& run, const std::filesystem::path& truth, const std::filesystem::path& impacts)
-      : run_(run), inputs_{impacts}, provenance_(provenance(run, inputs_)), truth_path_(truth), truth_(run, truth) {}
+      : run_(run), inputs_{impacts}, truth_path_(truth), truth_(run, truth) {}
 
   void add(const synthesis::DropTruth& drop) {
     if (recording_ != drop.recording) {
@@ -119,14 +119,14 @@ class TruthFiles {
  private:
   void finish_recording() {
     if (recording_.empty()) return;
-    write_provenance(recording_, provenance_);
+    if (!is_stream(recording_))
+      write_provenance(recording_, provenance(run_, inputs_, sha256_of_file(recording_)));
     if (others_) others_->finish(inputs_);
     others_.reset();
   }
 
   const Run& run_;
   std::vector<std::filesystem::path> inputs_;
-  std::string provenance_;
   std::filesystem::path truth_path_;
   TableWriter truth_;
   std::filesystem::path recording_;

@@ -103,6 +103,16 @@ struct Term {
   bool is_there() const {
     return std::isfinite(between([](const Fitted& f) { return f.eps.empty() ? HUGE_VAL : f.surprise; }));
   }
+  /// Between those at the corners about it: where a likelihood falls off steeply, a cubic has maxima of its own.
+  double surprise() const {
+    double least = HUGE_VAL, most = -HUGE_VAL;
+    for (const std::size_t i : {kappa->below, kappa->above})
+      for (const std::size_t j : {tau->below, tau->above}) {
+        const double corner = grid->fits[grid->index(i, j)].surprise;
+        least = std::min(least, corner), most = std::max(most, corner);
+      }
+    return std::clamp(between([](const Fitted& f) { return f.surprise; }), least, most);
+  }
 };
 
 /// With the logarithms of their weights.
@@ -112,8 +122,7 @@ std::vector<Term> terms_of(const Grid& grid) {
     for (const FinePlace& tau : grid.fine_tau) {
       Term term{0.0, &grid, &kappa, &tau};
       if (!term.is_there()) continue;
-      term.weight = grid.known->ln_prior({kappa.at, tau.at}) -
-                    term.between([](const Fitted& f) { return f.surprise; }) + log(grid.cell());
+      term.weight = grid.known->ln_prior({kappa.at, tau.at}) - term.surprise() + log(grid.cell());
       terms.push_back(term);
     }
   return terms;

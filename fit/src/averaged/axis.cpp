@@ -18,7 +18,7 @@ FinePlace fine_place(const Axis& axis, std::size_t k, double s) {
   } else if (k + 2 == axis.at.size()) {
     w[2] += 3.0 * w[3], w[1] -= 3.0 * w[3], w[0] += w[3], w[3] = 0.0;
   }
-  FinePlace place{axis.at[k] + s * axis.distance(), {}};
+  FinePlace place{axis.at[k] + s * axis.distance(), {}, k, k + 1};
   for (std::size_t j = 0; j < 4; ++j)
     if (first + j < axis.at.size() && w[j] != 0.0) place.neighbours.emplace_back(first + j, w[j]);
   return place;
@@ -35,7 +35,7 @@ Axis axis_of(double prior_sd, double middle, double reach) {
 }
 
 std::vector<FinePlace> finer(const Axis& axis) {
-  if (axis.at.size() == 1) return {{axis.at[0], {{0, 1.0}}}};
+  if (axis.at.size() == 1) return {{axis.at[0], {{0, 1.0}}, 0, 0}};
   std::vector<FinePlace> places;
   for (std::size_t k = 0; k + 1 < axis.at.size(); ++k)
     for (std::size_t j = 0; j < kFiner; ++j)

@@ -22,6 +22,7 @@ Axis axis_of(double prior_sd, double middle, double reach);
 struct FinePlace {
   double at = 0.0;
   std::vector<std::pair<std::size_t, double>> neighbours;  ///< with their weights
+  std::size_t below = 0, above = 0;                        ///< the places of the axis to either side
 };
 /// Places between all those of an axis.
 std::vector<FinePlace> finer(const Axis& axis);

@@ -23,6 +23,7 @@
 #include "bouncelab/fit/usable_samples.hpp"
 #include "bouncelab/report/comparison.hpp"
 #include "bouncelab/report/page.hpp"
+#include "stages/ball_of_files.hpp"
 #include "stages/detect.hpp"
 #include "stages/files/foreign_files.hpp"
 #include "stages/files/sample_files.hpp"
@@ -146,8 +147,9 @@ Outcome read_sounds(const std::vector<fs::path>& files, const CompareOptions& op
         recordings[k] = {once[k].string(), found.onsets.size(), std::move(found)};
       },
       progress_line(run, "detect", "recordings"));
-  const fit::RestitutionConfig config = restitution_config(options.restitution);
   for (const detection::RecordingDetection& recording : recordings) {
+    const fit::RestitutionConfig config =
+        restitution_config(with_conditions_of({recording.recording}, options.restitution, run.given));
     RestitutionSamples samples = fit::restitution_samples(recording.found.onsets, config).samples;
     if (!samples.empty())
       take(std::move(samples));
@@ -201,8 +203,11 @@ Outcome run_compare(const CompareOptions& options, const Run& run) {
   const Origins origins = options.groups.empty() ? Origins{} : read_groups(options.groups);
   const ProgressCallback progress = progress_line(run, "compare", "recordings");
   Reduction reduction;
+  std::vector<std::string> of_named_balls, of_others;
   const auto take = [&](RestitutionSamples&& samples) {
-    reduction.take(std::move(samples));
+    const bool is_named = !samples.empty() && samples.front().conditions.ball;
+    (is_named ? of_named_balls : of_others).push_back(samples.empty() ? "" : samples.front().recording);
+    reduction.take(is_named ? fit::at_the_plate(std::move(samples)) : std::move(samples));
     if (progress) progress(static_cast<double>(reduction.recordings.size()), 0.0);
   };
   std::vector<fs::path> sounds, tables;
@@ -212,6 +217,11 @@ Outcome run_compare(const CompareOptions& options, const Run& run) {
   for_each_recording(tables, run.common.n_threads, outcome.warnings, take);
   reduction.reduce();
   std::vector<fit::CampaignRecording>& recordings = reduction.recordings;
+  if (!of_named_balls.empty() && !of_others.empty())
+    outcome.warnings.push_back(
+        name_some(of_others, recordings.size(),
+                  std::string(of_others.size() == 1 ? "names" : "name") +
+                      " no ball: drag and contact time are taken out of the others alone; name it (--ball)"));
   name_origins(recordings, origins, options.groups, outcome.warnings);
   fit::BetweenRecordings between = fit::compare_campaign(recordings);
   between.notes = joined(outcome.warnings, between.notes);

@@ -4,6 +4,7 @@
 
 #include "commands/analyze_command.hpp"
 #include "options/commands.hpp"
+#include "stages/ball_of_files.hpp"
 
 namespace bouncelab::cli {
 namespace {
@@ -61,6 +62,9 @@ Command analyze_command() {
               options->out = folder_beside(recordings_of(options->detect));
               set_parameter(run.parameters, "out", options->out);
             }
+            std::vector<std::string> files;
+            for (const std::filesystem::path& file : recordings_of(options->detect)) files.push_back(file.string());
+            options->restitution = with_conditions_of(files, options->restitution, run);
             return run_analyze(*options, run);
           },
           {"detect", "restitution", "fit", "report"}};

@@ -2,6 +2,7 @@
 #include <memory>
 
 #include "options/commands.hpp"
+#include "stages/ball_of_files.hpp"
 #include "stages/restitution.hpp"
 
 namespace bouncelab::cli {
@@ -28,20 +29,7 @@ Command restitution_command() {
            {"Marks and tables of other programs", &members_of(&options->foreign), &options->foreign},
            {"Coefficients of restitution", &members_of(options.get()), options.get()}},
           [options](Run& run) {
-            options->world = with_provenance(options->world, options->onsets);
-            // what was simulated knows its world: contacts take no time, and there may be no air
-            const std::optional<bool> air = air_of_simulation(options->onsets);
-            if (air && !run.given.contains("air")) {
-              options->config.instant_contacts = true;
-              if (!*air) options->config.air_kgpm3 = 0.0, set_parameter(run.parameters, "air", "0");
-            }
-            const std::optional<double> gravity_mps2 = gravity_of(options->onsets);
-            if (gravity_mps2 && !run.given.contains("gravity")) {
-              options->config.gravity_mps2 = *gravity_mps2;
-              set_parameter(run.parameters, "gravity", short_number(*gravity_mps2));
-            }
-            set_parameter(run.parameters, "ball", options->world.ball);
-            set_parameter(run.parameters, "plate", options->world.plate);
+            *options = with_conditions_of(options->onsets, *options, run);
             return run_restitution(*options, run).outcome;
           }};
 }

@@ -120,10 +120,43 @@ std::string sum_in(const Json& meta) {
                                                                                    : "";
 }
 
-/// Discarded where it is missing or none.
+/// null where there is none. @throws FileError where it is not JSON
 Json provenance_beside(const fs::path& file) {
   const fs::path path = provenance_path(file);
-  return fs::is_regular_file(path) ? json_in(path) : Json(nlohmann::detail::value_t::discarded);
+  if (!fs::is_regular_file(path)) return {};
+  Json meta = json_in(path);
+  if (meta.is_discarded()) throw FileError(path.string(), "is not JSON, as what is known of the file beside it would be; delete it");
+  return meta;
+}
+
+/// The value of an option of the command itself; absent where the provenance is none or of another content.
+std::optional<std::string> parameter_in(const Json& meta, const std::string& option, const fs::path& file) {
+  if (!meta.is_object() || !meta.contains("parameters") || !meta["parameters"].is_object()) return std::nullopt;
+  if (const std::string sum = sum_in(meta); !sum.empty() && sum != sha256_of_file(file)) return std::nullopt;
+  const auto found = meta["parameters"].find(option);
+  if (found == meta["parameters"].end() || !found->is_string()) return std::nullopt;
+  return found->get<std::string>();
+}
+
+/// The input that a provenance names, where it was or beside the output; absent where that content is not there.
+std::optional<fs::path> found_input(const Json& input, const fs::path& output) {
+  if (!input.is_object() || !input.contains("path") || !input["path"].is_string()) return std::nullopt;
+  const fs::path named = input["path"].get<std::string>();
+  for (const fs::path& path : {named, output.parent_path() / named.filename()})
+    if (fs::is_regular_file(path) && sha256_of_file(path) == sum_in(input)) return path;
+  return std::nullopt;
+}
+
+/// @param n_more  commands back
+std::optional<std::string> parameter_in_history(const fs::path& file, const std::string& option, int n_more) {
+  if (n_more == 0 || file.empty() || is_stream(file)) return std::nullopt;
+  const Json meta = provenance_beside(file);
+  if (!meta.is_object()) return std::nullopt;
+  if (meta.contains("inputs") && meta["inputs"].is_array())
+    for (const Json& input : meta["inputs"])
+      if (const auto at = found_input(input, file))
+        if (auto earlier = parameter_in_history(*at, option, n_more - 1); earlier && !earlier->empty()) return earlier;
+  return parameter_in(meta, option, file);
 }
 
 }  // namespace
@@ -182,16 +215,13 @@ bool is_provenance(const fs::path& path) {
   return meta.is_object() && meta.contains("command_line") && meta.contains("commit");
 }
 
+bool is_written_with(const fs::path& file, const std::string& option) {
+  return parameter_in(provenance_beside(file), option, file).has_value();
+}
+
 std::optional<std::string> parameter_in_provenance(const fs::path& file, const std::string& option) {
-  const fs::path path = provenance_path(file);
-  if (file.empty() || is_stream(file) || !fs::is_regular_file(path)) return std::nullopt;
-  const Json meta = json_in(path);
-  if (meta.is_discarded()) throw FileError(path.string(), "is not JSON; delete it, or name the ball (--ball, --plate)");
-  if (!meta.is_object() || !meta.contains("parameters") || !meta["parameters"].is_object()) return std::nullopt;
-  if (const std::string sum = sum_in(meta); !sum.empty() && sum != sha256_of_file(file)) return std::nullopt;
-  const auto found = meta["parameters"].find(option);
-  if (found == meta["parameters"].end() || !found->is_string()) return std::nullopt;
-  return found->get<std::string>();
+  constexpr int kLongestHistory = 8;  // simulate, synthesize, detect, restitution, and files that name each other
+  return parameter_in_history(file, option, kLongestHistory);
 }
 
 std::string provenance(const Run& run, const std::vector<fs::path>& inputs, const std::string& sha256) {

@@ -27,8 +27,12 @@ std::filesystem::path provenance_path(const std::filesystem::path& output);
 /// Whether a file is a provenance that this program wrote.
 bool is_provenance(const std::filesystem::path& path);
 
-/// The value of an option of the command that wrote a file; absent where no provenance lies beside the file, it is that
-/// of another content, or the command has no such option. @throws FileError where the provenance is none
+/// Whether the command that wrote a file, which nobody has changed since, has an option. @throws FileError
+bool is_written_with(const std::filesystem::path& file, const std::string& option);
+
+/// The value of an option of the first command in a file's history that had it: simulate's --ball of what detect heard
+/// in a sound made of its impacts. Absent where no provenance lies beside the file or it is that of another content.
+/// @throws FileError where a provenance is none
 std::optional<std::string> parameter_in_provenance(const std::filesystem::path& file, const std::string& option);
 
 /// SHA-256 of a text, in hexadecimal.
