@@ -40,13 +40,17 @@ Cause of_speed(const FitResult& result, const PlainAnswer& answer) {
   return cause;
 }
 
+bool has_drag(const FitResult& result) { return result.averaged && result.averaged->kappa_per_m; }
+bool ball_is_named(const RestitutionSamples& samples) {
+  return !samples.empty() && samples.front().conditions.ball.has_value();
+}
+
 /// What drag takes from eps as the intervals have it, at the fastest bounce more than at the slowest:
 /// eps kappa v^2 (1 + eps^2) / (4 g), docs/physics.md.
 Cause of_air(const FitResult& result, const PlainAnswer& answer, const RestitutionSamples& samples) {
   Cause cause{"air", {}, false, {}};
   const auto& nodes = nodes_of(result, answer.with_memory);
-  const bool ball_is_named = !samples.empty() && samples.front().conditions.ball.has_value();
-  if (!result.averaged || !result.averaged->kappa_per_m || nodes.size() < 2) {
+  if (!has_drag(result) || nodes.size() < 2) {
     cause.sentence = "No effect of the air is seen or taken into account.";
     return cause;
   }
@@ -54,7 +58,7 @@ Cause of_air(const FitResult& result, const PlainAnswer& answer, const Restituti
   const Estimate& kappa_per_m = *result.averaged->kappa_per_m;
   const double eps = answer.at->eps.value, fast = nodes.back().v_mps, slow = nodes.front().v_mps;
   const double by_kappa = eps * (1.0 + eps * eps) * (square(fast) - square(slow)) / (4.0 * g_mps2);
-  if (!ball_is_named) {
+  if (!ball_is_named(samples)) {
     cause.sentence = "What the air does is not known";
     if (kappa_per_m.ci95)
       cause.sentence += " (" + size_text(by_kappa * kappa_per_m.ci95->lo) + " to " +
@@ -76,7 +80,8 @@ Cause of_roughness(const FitResult& result) {
   Cause cause{"roughness", {}, false, {}};
   const auto& rows = result.budget.rows;
   const BudgetRow* row = rows.empty() ? nullptr : &rows[rows.size() / 2];
-  if (!row || !row->spread_asperities) {
+  constexpr std::size_t kFewestOfAWidth = 8;  // of fewer it is not known to a quarter
+  if (!row || !row->spread_asperities || result.n_used < kFewestOfAWidth) {
     cause.sentence = "Whether ball and floor are rough is not known: too few bounces.";
     return cause;
   }
@@ -99,9 +104,10 @@ std::vector<Cause> causes_of(const FitResult& result, const PlainAnswer& answer,
   std::stable_sort(causes.begin(), causes.end(), [](const Cause& a, const Cause& b) {
     return (a.is_seen ? *a.size : -1.0) > (b.is_seen ? *b.size : -1.0);
   });
+  const bool air_is_open = has_drag(result) && !ball_is_named(samples);
   for (std::size_t k = 0; k < causes.size(); ++k)
     if (causes[k].is_seen)
-      causes[k].sentence = (k == 0                                    ? "Mostly "
+      causes[k].sentence = (k == 0 ? (air_is_open ? "Of what is seen, mostly " : "Mostly ")
                             : *causes[k].size > 0.5 * *causes[0].size ? "Nearly as much "
                             : *causes[k].size > 0.1 * *causes[0].size ? "Less "
                                                                       : "Hardly ") +

@@ -59,7 +59,10 @@ TEST_F(FitCommand, AtOneSpeedGivesTheOneValueThere) {
 }
 
 TEST_F(FitCommand, OfOneDropNamesTheConstantsAndKeepsTheCurve) {
-  expect_one_line_error(fit(table(60, 0.3, 1.2), "--quiet"), 1, {"A2, A4, A5", "not identifiable", "60 impacts"});
+  const Result result = fit(table(60, 0.3, 1.2));
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  for (const char* part : {"A2, A4, A5", "not identifiable", "60 impacts"})
+    EXPECT_THAT(result.err, testing::HasSubstr(part));
   EXPECT_EQ(found().at("status"), "not_identifiable");
   EXPECT_EQ(found().at("law").at("nodes").size(), 3u);
 }

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "bouncelab/core/ball.hpp"
+#include "bouncelab/core/error.hpp"
 
 namespace bouncelab {
 namespace {
@@ -48,12 +49,21 @@ TEST(Samples, ATableOfSpeedsAndCoefficientsIsEnough) {
   EXPECT_TRUE(samples[1].flags.empty());
 }
 
-TEST(Samples, ACorrectionIsAWholeWord) {
-  const RestitutionSamples samples = samples_from_table(Table{{{"v_mps", std::vector<double>{1.0}},
-                                                               {"eps", std::vector<double>{0.9}},
-                                                               {"corrected", std::vector<std::string>{"no_drag|x"}}}},
-                                                        "s.csv");
-  EXPECT_EQ(samples[0].conditions, SampleConditions{});
+TEST(Samples, CorrectionsAreWordsThatAreKnown) {
+  const auto conditions_of = [](const std::string& corrected) {
+    return samples_from_table(Table{{{"v_mps", std::vector<double>{1.0}},
+                                     {"eps", std::vector<double>{0.9}},
+                                     {"corrected", std::vector<std::string>{corrected}}}},
+                              "s.csv")
+        .front()
+        .conditions;
+  };
+  EXPECT_TRUE(conditions_of("drag|contact_time").drag_corrected);
+  EXPECT_TRUE(conditions_of("drag|contact_time").contact_time_corrected);
+  EXPECT_FALSE(conditions_of("drag").contact_time_corrected);
+  // what is taken out of intervals once more for a word that is not understood makes them wrong
+  for (const char* text : {"no_drag", "drag contact_time", "drag,contact_time", "drag|x"})
+    EXPECT_THROW(conditions_of(text), FileError) << text;
 }
 
 TEST(Samples, ThatAreNoNumbersAreFlagged) {

@@ -128,13 +128,16 @@ Outcome fit_outcome(const fit::FitResult& result, const report::FitInWords& word
   Outcome outcome;
   outcome.text = answer_text(words.answer) + "\n" + describe(result);
   outcome.warnings = words.warnings;
-  if (result.status == fit::FitStatus::ok) return outcome;
   // of one speed alone eps is known there, and nothing more was to be known
   if (words.answer.at && result.law.kind == fit::LawKind::constant) return outcome;
-  outcome.exit_code = kNotUsable;
   const std::string message = quoted_law(result).message;
-  outcome.error = samples + ": " + message;
   std::erase(outcome.warnings, message);
+  if (usable(result)) {
+    if (!message.empty()) outcome.warnings.push_back(message);
+    return outcome;
+  }
+  outcome.exit_code = kNotUsable;
+  outcome.error = samples + ": " + message;
   return outcome;
 }
 
@@ -174,13 +177,6 @@ Stage<fit::FitResult> run_fit(const FitOptions& options, const Run& run) {
   outcome.result = all;
   outcome.warnings = joined(warnings, outcome.warnings);
   return {std::move(outcome), std::move(result)};
-}
-
-Outcome as_stage(Outcome outcome, const fit::FitResult& result) {
-  if (result.status != fit::FitStatus::not_identifiable || result.law.nodes.empty()) return outcome;
-  outcome.exit_code = kDone;
-  outcome.error.clear();
-  return outcome;
 }
 
 }  // namespace bouncelab::stages

@@ -29,12 +29,10 @@ std::string answer_text(const report::PlainAnswer& answer);
 /// What the options describe.
 fit::FitConfig fit_config(const FitOptions& options, const CommonOptions& common);
 
-/// Text and warnings; exit code 1 where the fit did not converge or a constant is not identifiable.
+/// Text and warnings; exit code 1 where there is no curve. Constants that are not identifiable are a warning, the last.
 /// @param samples  where they are from, for the error
 Outcome fit_outcome(const fit::FitResult& result, const report::FitInWords& words, const std::string& samples);
 /// What is known is written whatever the exit code.
 Stage<fit::FitResult> run_fit(const FitOptions& options, const Run& run);
-/// Within `loop` and `analyze` the curve is the result: constants that are not identifiable are only a warning there.
-Outcome as_stage(Outcome outcome, const fit::FitResult& result);
 
 }  // namespace bouncelab::stages

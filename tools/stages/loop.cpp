@@ -70,7 +70,6 @@ Stage<fit::FitResult> times_to_constants(const loop::LoopConfig& config, const R
   fit.out = fit_json;
   fit.histograms = histograms;
   Stage<fit::FitResult> fitted = run_fit(fit, run);
-  fitted.outcome = as_stage(std::move(fitted.outcome), fitted.result);
   fitted.outcome.warnings = joined(intervals.outcome.warnings, fitted.outcome.warnings);
   return fitted;
 }

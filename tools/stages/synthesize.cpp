@@ -119,8 +119,7 @@ class TruthFiles {
  private:
   void finish_recording() {
     if (recording_.empty()) return;
-    if (!is_stream(recording_))
-      write_provenance(recording_, provenance(run_, inputs_, sha256_of_file(recording_)));
+    if (!is_stream(recording_)) write_provenance(recording_, provenance(run_, inputs_, sha256_of_file(recording_)));
     if (others_) others_->finish(inputs_);
     others_.reset();
   }

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bouncelab/core/samples.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/onsets.hpp"
+#include "bouncelab/core/text.hpp"
 
 namespace bouncelab {
 namespace {
@@ -26,10 +29,19 @@ std::string corrected_text(const SampleConditions& conditions) {
   return text;
 }
 
+/// @throws InvalidArgument where a word is none of them
 void read_corrected(const std::string& text, SampleConditions& conditions) {
-  const std::string words = "|" + text + "|";
-  for (const auto& [word, corrected] : kCorrections)
-    conditions.*corrected = words.find("|" + std::string(word) + "|") != std::string::npos;
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t end = std::min(text.find('|', begin), text.size());
+    const std::string said = text.substr(begin, end - begin);
+    const auto* const known = std::find_if(std::begin(kCorrections), std::end(kCorrections),
+                                           [&](const CorrectionWord& one) { return said == one.word; });
+    if (known == std::end(kCorrections))
+      throw InvalidArgument("column corrected: '" + printable(said) +
+                            "' is not drag, contact_time or travel_time; join them by |");
+    conditions.*(known->corrected) = true;
+    begin = end + 1;
+  }
 }
 
 /// A column of descriptions: nearly always that of the row before, which need not be written or understood again.
@@ -79,7 +91,11 @@ RowColumn<RestitutionSample> corrected_column() {
   };
   made.read = [](const Table& table, std::span<RestitutionSample> rows) {
     const std::vector<std::string>* cells = table.texts("corrected");
-    for (std::size_t k = 0; cells && k < rows.size(); ++k) read_corrected((*cells)[k], rows[k].conditions);
+    for (std::size_t k = 0; cells && k < rows.size(); ++k) try {
+        read_corrected((*cells)[k], rows[k].conditions);
+      } catch (const InvalidArgument& error) {
+        throw InvalidArgument(table.place_of(k) + ", " + error.what());
+      }
   };
   return made;
 }

@@ -92,7 +92,9 @@ Outcome write_analysis(const loop::Analysis& found, const loop::AnalyzeConfig& c
                        const std::vector<fs::path>& files, const std::vector<fs::path>& inputs, const Outcome& detected,
                        const fs::path& folder, const Run& run) {
   report::FitInWords words = report::in_words(found.fit, found.restitution.samples, config.fit.memory, pool);
-  const Outcome fitted = as_stage(fit_outcome(found.fit, words, (folder / "samples.csv").string()), found.fit);
+  Outcome fitted = fit_outcome(found.fit, words, (folder / "samples.csv").string());
+  // of constants nobody asked
+  std::erase(fitted.warnings, quoted_law(found.fit).message);
   const std::optional<std::string> doubt = report::doubt_of_all_drops(found.recordings);
   if (doubt) withhold_answer(*doubt, words);
   Outcome outcome;

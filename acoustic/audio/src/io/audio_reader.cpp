@@ -69,14 +69,14 @@ struct AudioReader::State {
   }
 
   void check_finite(std::int64_t first, std::span<const float> frames) const {
-    const std::size_t bad = first_not_finite(frames);
+    const std::size_t bad = first_unusable(frames);
     if (bad == frames.size()) return;
     const auto index = static_cast<std::int64_t>(bad);
     const std::int64_t frame = first + index / info.n_channels;
     throw FileError(file.name(), "sample " + std::to_string(frame) + " (" +
                                      std::to_string(static_cast<double>(frame) / info.rate_hz) + " s) of channel " +
                                      std::to_string(index % info.n_channels) +
-                                     " is not a finite number; repair the recording");
+                                     " is not a finite number below 1e12 (full scale is 1); repair the recording");
   }
 };
 

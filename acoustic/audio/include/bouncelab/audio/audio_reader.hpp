@@ -36,7 +36,7 @@ AudioSource source_in_memory(std::span<const float> samples, double rate_hz);
 void read_padded(const AudioSource& source, std::int64_t first, std::span<float> out);
 
 /// Index of the first sample that is infinite or no number, or how many samples there are.
-std::size_t first_not_finite(std::span<const float> samples);
+std::size_t first_unusable(std::span<const float> samples);
 
 /// Format of a recording.
 struct AudioFormat {
