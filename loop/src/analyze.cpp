@@ -2,7 +2,6 @@
 #include "bouncelab/loop/analyze.hpp"
 
 #include <algorithm>
-#include <chrono>
 
 #include "bouncelab/audio/audio_reader.hpp"
 #include "bouncelab/core/files.hpp"
@@ -11,13 +10,6 @@ namespace bouncelab::loop {
 namespace {
 
 using Recordings = std::vector<detection::RecordingDetection>;
-
-template <class Work>
-void timed(Analysis& analysis, const char* stage, Work&& work) {
-  const auto begin = std::chrono::steady_clock::now();
-  work();
-  analysis.seconds.emplace_back(stage, std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
-}
 
 ProgressCallback callback(const StageProgress& progress, const char* label, const char* unit) {
   return progress ? progress(label, unit) : ProgressCallback{};
@@ -57,11 +49,8 @@ std::vector<RecordingDetails> details_of(const Analysis& analysis, const Analyze
 }
 
 void times_to_constants(Analysis& analysis, const AnalyzeConfig& config, const StageProgress& progress) {
-  timed(analysis, "restitution",
-        [&] { analysis.restitution = fit::restitution_samples(analysis.onsets, config.restitution); });
-  timed(analysis, "fit", [&] {
-    analysis.fit = fit::fit_all(analysis.restitution.samples, config.fit, callback(progress, "fit", "fits"));
-  });
+  analysis.restitution = fit::restitution_samples(analysis.onsets, config.restitution);
+  analysis.fit = fit::fit_all(analysis.restitution.samples, config.fit, callback(progress, "fit", "fits"));
 }
 
 void sound_to_constants(Analysis& analysis, const AnalyzeConfig& config, const StageProgress& progress) {
@@ -80,7 +69,7 @@ void sound_to_constants(Analysis& analysis, const AnalyzeConfig& config, const S
 Analysis analyze(const std::vector<std::filesystem::path>& recordings, const AnalyzeConfig& config,
                  const StageProgress& progress) {
   Analysis analysis;
-  timed(analysis, "detect", [&] { analysis.recordings = detected(recordings, config, progress); });
+  analysis.recordings = detected(recordings, config, progress);
   sound_to_constants(analysis, config, progress);
   return analysis;
 }
@@ -129,7 +118,7 @@ const Description& members_of(const Analysis*) {
   static const Description all{
       result<A>(
           "", [](const A& a) { return std::get<Object>(value_of(a.restitution.counts)); }, "What was counted"),
-      result("recordings", &A::recordings, "As `detect --json`"), result("seconds", &A::seconds, "Stage → wall time")};
+      result("recordings", &A::recordings, "As `detect --json`")};
   return all;
 }
 

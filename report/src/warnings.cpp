@@ -131,6 +131,7 @@ void warn_of_rows_left_out(const LeftOut& left_out, std::vector<std::string>& wa
     std::string in_words = "flag " + reason;
     if (flag) in_words = "not finite";
     if (reason == "speed_not_positive") in_words = "speed not positive";
+    if (reason == "contact_longer_than_flight") in_words = "the ball named touches the floor longer than that bounce";
     warnings.push_back(formatted("%zu of the samples left out: %s; the first is number %zu", left_out.n.at(reason),
                                  in_words.c_str(), first));
   }
@@ -142,7 +143,7 @@ void warn_of_mixed_conditions(const RestitutionSamples& used, std::vector<std::s
   if (n > 0)
     warnings.push_back(
         formatted("%td of the samples were computed with other corrections, or for another ball, gravity or "
-                  "wave speed than the first: the error budget is that of the first",
+                  "wave speed than the first: drag, contact time and error budget are taken as of the first",
                   n));
 }
 

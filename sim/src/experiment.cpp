@@ -84,6 +84,11 @@ void validate(const SimulationConfig& c) {
   if (c.air) {
     require(c.air->density_kgpm3 > 0.0, "density of the air", c.air->density_kgpm3, "> 0 kg/m^3");
     require(c.air->viscosity_pas > 0.0, "viscosity of the air", c.air->viscosity_pas, "> 0 Pa s");
+    // dust that sinks at its terminal speed for so long does not bounce, and a flight would take millions of steps
+    constexpr double kMostStopping = 1000.0;
+    const double kappa_per_m = drag_per_m(c.ball, *c.air, std::sqrt(2.0 * c.gravity_mps2 * c.drop_height_max_m));
+    require(kappa_per_m * c.drop_height_max_m <= kMostStopping, "drop height", c.drop_height_max_m,
+            "at most " + std::to_string(kMostStopping / kappa_per_m) + " m for so small a ball in air");
   }
   for (const double v : c.start_velocity_mps) require(std::isfinite(v), "start velocity", v, "finite, m/s");
   for (const double x : c.start_position_m) require(std::isfinite(x), "start position", x, "finite, m");

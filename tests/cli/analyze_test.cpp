@@ -120,13 +120,17 @@ TEST_F(Analyze, OfThreeClipsTogetherARowForEachAndOneAnswerIfTheyAgreeOrAreAsked
   EXPECT_THAT(pooled.out, testing::HasSubstr("\nEach recording alone:\n  a.wav: "));
 }
 
-TEST_F(Analyze, TheReportNeedsNoNetwork) {
+TEST_F(Analyze, TheReportNeedsNoNetworkAndIsTheSameOfTheSameRun) {
   write("drop.wav", float_wav(bouncing(20), 44100));
   ASSERT_EQ(run("analyze drop.wav --out out").exit_code, 0);
   const std::string html = content_of(folder_ / "out" / "report.html");
   EXPECT_EQ(html.find("<script src"), std::string::npos);
   EXPECT_EQ(html.find("<link"), std::string::npos);
   EXPECT_NE(html.find("Plotly"), std::string::npos);
+  fs::rename(folder_ / "out", folder_ / "before");
+  ASSERT_EQ(run("analyze drop.wav --out out").exit_code, 0);
+  for (const char* name : {"report.html", "summary.json", "fit.json"})
+    EXPECT_TRUE(content_of(folder_ / "out" / name) == content_of(folder_ / "before" / name)) << name;
 }
 
 TEST_F(Analyze, DiagnosticsShowEachDropFromTheInside) {
@@ -168,6 +172,7 @@ TEST_F(Analyze, OneBrokenFileOfManyLosesNothing) {
   EXPECT_EQ(summary["recordings"][1]["status"], "unreadable");
   EXPECT_TRUE(fs::exists(folder_ / "out" / "report.html"));
 
+  EXPECT_THAT(run("detect a.wav c.wav --channel 1 --out none.csv").err, testing::HasSubstr("a.wav: has no channel 1"));
   EXPECT_EQ(run("detect b.wav missing.wav --out none.csv").exit_code, 3);
   EXPECT_FALSE(fs::exists(folder_ / "none.csv"));
 }

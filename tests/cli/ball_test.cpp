@@ -148,5 +148,43 @@ TEST_F(BallOption, GravityOfASimulationIsThatOfItsSpeeds) {
             9.81);
 }
 
+TEST_F(BallOption, OfASimulationIsKnownToWhatIsHeardOfIt) {
+  const std::string few = " --drops 1 --impacts 12 --asperities 99 --ball glass:16mm ";
+  ASSERT_EQ(run("simulate --gravity 1.62 --height 0.1 --out moon.csv" + few).exit_code, 0);
+  ASSERT_EQ(run("synthesize moon.csv --rate 24000 --out moon.wav").exit_code, 0);
+  ASSERT_LE(run("analyze moon.wav --out moon").exit_code, 1);
+  const auto first_of = [&](const std::string& folder) {
+    return samples_from_table(read_csv(folder_ / folder / "samples.csv", sample_columns()), folder)[0].conditions;
+  };
+  SampleConditions known = first_of("moon");
+  EXPECT_EQ(known.gravity_mps2, 1.62);
+  EXPECT_TRUE(known.drag_corrected && known.contact_time_corrected);
+  EXPECT_EQ(to_text(known.ball.value()), "glass:16mm");
+  ASSERT_EQ(run("simulate --drag --out air.csv" + few).exit_code, 0);
+  ASSERT_EQ(run("synthesize air.csv --rate 24000 --out air.wav").exit_code, 0);
+  ASSERT_LE(run("analyze air.wav --out air").exit_code, 1);
+  known = first_of("air");
+  EXPECT_FALSE(known.drag_corrected);
+  EXPECT_TRUE(known.contact_time_corrected);
+  // another simulation's impacts under the old name: of what the sound was made of nothing is known but the ball
+  fs::copy_file(folder_ / "air.csv", folder_ / "moon.csv", fs::copy_options::overwrite_existing);
+  ASSERT_LE(run("analyze moon.wav --out again").exit_code, 1);
+  known = first_of("again");
+  EXPECT_EQ(known.gravity_mps2, kDefaultGravity_mps2);
+  EXPECT_FALSE(known.drag_corrected);
+  EXPECT_EQ(to_text(known.ball.value()), "glass:16mm");
+}
+
+TEST_F(BallOption, WhoseContactsWouldOutlastTheBouncesLeavesTheRowsOut) {
+  write_onsets();
+  ASSERT_EQ(run("restitution o.csv --ball squash,contact-time=80ms --out s.csv").exit_code, 0);
+  const Result fitted = run("fit s.csv --out f.json");
+  EXPECT_LE(fitted.exit_code, 1);
+  EXPECT_THAT(fitted.err, testing::HasSubstr("the ball named touches the floor longer than that bounce"));
+  // the 59th of the intervals .28 s .97^k lasts .047 s, the 41st .083 s
+  const int n = Json::parse(content_of(folder_ / "f.json"))["n_left_out"]["contact_longer_than_flight"].get<int>();
+  EXPECT_NEAR(n, 58 - 41, 1);
+}
+
 }  // namespace
 }  // namespace bouncelab::cli_test

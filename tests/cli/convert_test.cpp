@@ -38,6 +38,16 @@ TEST_F(Convert, ThroughEveryFormatAndBackIsTheSameTable) {
   EXPECT_TRUE(fs::exists(folder_ / "m.wav.meta.json"));
 }
 
+TEST_F(Convert, HighDropsAndFlagsOfOtherProgramsPassThroughMarks) {
+  write("high.csv", "drop,t_s,flags\n99999999999,0.1,bad bounce\n99999999999,0.5,x=y\n99999999999,0.8,\n");
+  ASSERT_EQ(run("convert high.csv --to high.txt").exit_code, 0);
+  ASSERT_EQ(run("convert high.txt --to back.csv").exit_code, 0);
+  const std::string back = content_of(folder_ / "back.csv");
+  for (const char* part : {"99999999999,0,0.1,", "bad_bounce", "99999999999,1,0.5,", "x_y", "99999999999,2,0.8,"})
+    EXPECT_THAT(back, testing::HasSubstr(part));
+  EXPECT_THAT(back, testing::Not(testing::HasSubstr("by_hand")));
+}
+
 TEST_F(Convert, MarksCorrectedByHandGoOnToRestitution) {
   ASSERT_EQ(run("convert o.csv --to m.txt").exit_code, 0);
   std::string labels = content_of(folder_ / "m.txt");

@@ -222,7 +222,12 @@ Detection detect_track(const audio::AudioReader& sound, const std::string& name,
                        int n_threads, const ProgressCallback& progress) {
   const int n_here = kMayStartChildBesideThreads ? n_threads : 1;
   std::vector<audio::AudioSource> channels;
-  for (int c = 0; c < sound.format().n_channels; ++c) channels.push_back(sound.source(c));
+  const int n_channels = sound.format().n_channels;
+  // of this recording alone: others beside it may have that channel
+  if (config.channel && *config.channel >= n_channels)
+    throw FileError(name, "has no channel " + std::to_string(*config.channel) + ", only 0 to " +
+                              std::to_string(n_channels - 1) + "; choose another (--channel)");
+  for (int c = 0; c < n_channels; ++c) channels.push_back(sound.source(c));
   Detection d = detect_in(channels, name, config, n_here, progress);
   d.summary.n_tracks = sound.format().n_tracks;
   d.summary.track = sound.format().track;

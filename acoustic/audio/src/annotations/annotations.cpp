@@ -32,10 +32,7 @@ std::optional<double> number_for(const std::string& column, std::string_view tex
   return value;
 }
 
-// a number beyond this is not one of a drop or an impact, and counting on from it could overflow
-constexpr std::int64_t kHighestNumber = 1'000'000'000;
-
-bool is_number(std::int64_t value) { return value >= 0 && value <= kHighestNumber; }
+bool is_number(std::int64_t value) { return kIndexRange.holds(static_cast<double>(value)); }
 
 /// DROP.IMPACT; false if the word is something else.
 bool parse_drop_and_impact(std::string_view word, Onset& onset) {
@@ -67,9 +64,16 @@ std::optional<Labelled> read_label(const std::string& label) {
   return result;
 }
 
+/// A label is words with blanks between, and those with a '=' are numbers: in words of other programs both become '_'.
+std::string flag_words(std::string text) {
+  for (char& c : text)
+    if (c == '=' || std::string_view(" \t\r\n\v\f").find(c) != std::string_view::npos) c = '_';
+  return text;
+}
+
 std::string label_of(const Onset& onset) {
   std::string text = std::to_string(onset.drop) + "." + std::to_string(onset.impact);
-  if (!onset.flags.empty()) text += " " + onset.flags.text();
+  if (!onset.flags.empty()) text += " " + flag_words(onset.flags.text());
   text += " t_s=" + number_text(onset.t_s);
   if (onset.sigma_t_s) text += " sigma_t_s=" + number_text(*onset.sigma_t_s);
   if (onset.amplitude) text += " amplitude=" + number_text(*onset.amplitude);

@@ -53,10 +53,9 @@ struct Analysis {
   fit::FitResult fit;
   std::optional<detection::WavePreview> wave;           ///< of the first recording in which impacts were found
   std::vector<RecordingDetails> details;                ///< of the first kMostShown drops
-  std::vector<std::pair<std::string, double>> seconds;  ///< wall time by stage
 };
 
-/// summary.json: counts, recordings, seconds.
+/// summary.json: counts and recordings.
 const Description& members_of(const Analysis*);
 
 /// The whole chain, with all data in memory: a hundred bytes or so an impact.
