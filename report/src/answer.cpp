@@ -25,7 +25,9 @@ void choose_doubt(const std::vector<std::string>& warnings, FitInWords& words) {
   std::string& doubt = words.answer.doubt = *first;
   if (const auto flag = doubt.find(" (flag "); flag != std::string::npos)  // which is in the tables only
     doubt.erase(flag, doubt.find(')', flag) + 1 - flag);
-  doubt.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(doubt.front())));
+  const bool begins_with_file = doubt.substr(0, doubt.find_first_of(" :")).find('.') != std::string::npos;
+  if (!begins_with_file)
+    doubt.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(doubt.front())));
   if (doubt.back() != '.' && doubt.back() != '?') doubt += '.';
 }
 

@@ -82,6 +82,9 @@ TEST(BallCatalogue, WordsOfEveryDayAskNothing) {
   EXPECT_EQ(to_text(ball_from_text("marble")), "glass:16mm");
   EXPECT_EQ(to_text(ball_from_text("marble:25mm")), "glass:25mm");
   EXPECT_EQ(to_text(ball_from_text("Glass marble")), "glass:16mm");
+  EXPECT_EQ(to_text(ball_from_text("marble 25mm")), "glass:25mm");
+  EXPECT_EQ(to_text(ball_from_text("steel ball 6 mm")), "steel:6mm");
+  EXPECT_EQ(to_text(ball_from_text("golf balls")), "golf");
   for (const char* word : {"bouncy ball", "bouncy-ball", "Bouncy_Ball", "bouncy"})
     EXPECT_EQ(to_text(ball_from_text(word)), "superball:27mm") << word;
   for (const char* word : {"ping-pong", "ping pong ball", "table tennis ball", "Table-Tennis"})

@@ -50,9 +50,10 @@ struct OtherName {
   std::optional<double> usual_diameter_m = std::nullopt;
 };
 const std::map<std::string, OtherName, std::less<>> kOtherNames{
-    {"ping-pong", {"table-tennis"}},  {"pingpong", {"table-tennis"}}, {"soccer", {"football"}},
-    {"pool", {"billiard"}},           {"marble", {"glass", 0.016}},   {"glass-marble", {"glass", 0.016}},
-    {"bouncy", {"superball", 0.027}}, {"aluminum", {"aluminium"}},    {"silicon-carbide", {"sic"}}};
+    {"ping-pong", {"table-tennis"}},  {"pingpong", {"table-tennis"}},      {"soccer", {"football"}},
+    {"pool", {"billiard"}},           {"marble", {"glass", 0.016}},        {"glass-marble", {"glass", 0.016}},
+    {"bouncy", {"superball", 0.027}}, {"superball", {"superball", 0.027}}, {"golfball", {"golf"}},
+    {"aluminum", {"aluminium"}},      {"silicon-carbide", {"sic"}}};
 using Numbers = std::map<std::string, double, std::less<>>;
 
 [[noreturn]] void refuse(std::string_view kind, std::string_view text, const std::string& why) {
@@ -87,7 +88,8 @@ class DescriptionReader {
     for (std::size_t begin = 0; begin <= text_.size();) {
       const std::size_t end = std::min(text_.find(',', begin), text_.size());
       const std::string_view part = text_.substr(begin, end - begin);
-      const auto colon = part.find(':');
+      std::size_t colon = part.find(':');
+      if (colon == std::string_view::npos) colon = blank_before_size(part);
       const bool has_name = colon != std::string_view::npos || part.find('=') == std::string_view::npos;
       if (has_name && begin > 0) refuse(kind_, text_, "'" + printable(part) + "' is not KEY=VALUE");
       if (has_name) {
@@ -102,6 +104,13 @@ class DescriptionReader {
   }
 
  private:
+  /// "marble 25mm", as people write it.
+  static std::size_t blank_before_size(std::string_view part) {
+    const std::size_t digit = part.find_first_of("0123456789");
+    const bool is_size = part.find('=') == std::string_view::npos && digit != std::string_view::npos && digit > 1;
+    return is_size && part[digit - 1] == ' ' ? digit - 1 : std::string_view::npos;
+  }
+
   void add_size(std::string_view size, Numbers& numbers) const {
     if (size.find('=') != std::string_view::npos)
       add(size, numbers);
@@ -130,9 +139,10 @@ class DescriptionReader {
   std::vector<std::string> keys_;
 };
 
-/// "Tennis ball" -> "tennis"
+/// "Tennis balls" -> "tennis"
 std::string as_in_catalogue(std::string name) {
   for (char& c : name) c = c == ' ' || c == '_' ? '-' : static_cast<char>(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c);
+  if (name.ends_with("balls")) name.pop_back();
   return name.ends_with("-ball") ? name.substr(0, name.size() - 5) : name;
 }
 
@@ -153,9 +163,11 @@ const Kind& kind_named(std::string_view what, std::string_view text, const std::
     names.push_back(kind.name);
   }
   const std::string nearest = nearest_name(name, names);
+  std::string advice = nearest.empty() ? "" : "; did you mean " + nearest + "?";
+  if (advice.empty() && what == "plate")  // there are few
+    for (const std::string& known : names) advice += (advice.empty() ? "; name " : ", ") + known;
   refuse(what, text,
-         "'" + printable(name) + "' is not known" + (nearest.empty() ? "" : "; did you mean " + nearest + "?") +
-             " (bouncelab balls lists balls, materials and plates)");
+         "'" + printable(name) + "' is not known" + advice + " (bouncelab balls lists balls, materials and plates)");
 }
 
 const double* find(const Numbers& numbers, std::string_view key) {
