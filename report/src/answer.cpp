@@ -26,8 +26,7 @@ void choose_doubt(const std::vector<std::string>& warnings, FitInWords& words) {
   if (const auto flag = doubt.find(" (flag "); flag != std::string::npos)  // which is in the tables only
     doubt.erase(flag, doubt.find(')', flag) + 1 - flag);
   const bool begins_with_file = doubt.substr(0, doubt.find_first_of(" :")).find('.') != std::string::npos;
-  if (!begins_with_file)
-    doubt.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(doubt.front())));
+  if (!begins_with_file) doubt.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(doubt.front())));
   if (doubt.back() != '.' && doubt.back() != '?') doubt += '.';
 }
 

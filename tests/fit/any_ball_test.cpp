@@ -195,8 +195,6 @@ TEST_P(AnyBallNamed, HasItsTrueRestitutionInTheInterval) {
 INSTANTIATE_TEST_SUITE_P(AnyBall, AnyBallNamed, ::testing::Bool(),
                          [](const auto& info) { return info.param ? "named" : "not_named"; });
 
-/// As somebody found of a table-tennis ball that rolled from wood to a carpet's edge: the law with a step is right, and
-/// without one none is claimed.
 TEST(AnyBall, OfManyDropsHasNoContactTimeThatItsLikelihoodDoesNotHave) {
   // beyond some milliseconds the likelihood of so many impacts falls off by hundreds from one place of the grid to the
   // next, and between them lies no maximum
@@ -211,6 +209,8 @@ TEST(AnyBall, OfManyDropsHasNoContactTimeThatItsLikelihoodDoesNotHave) {
   EXPECT_LT(result.averaged->contact_s ? result.averaged->contact_s->value : 0.0, 1e-3);
 }
 
+/// As somebody found of a table-tennis ball that rolled from wood to a carpet's edge: the law with a step is right, and
+/// without one none is claimed.
 TEST(AnyBall, ThatMeetsAnotherSurfaceIsSaidToDoSo) {
   for (int run = 0; run < 6; ++run) {
     Random random(5, RandomStream::test, static_cast<std::uint64_t>(run));

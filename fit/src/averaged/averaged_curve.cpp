@@ -48,10 +48,11 @@ struct Moved {
 Moved moved(const Raw& raw, const AirAndContact& known, Deviation deviation) {
   if (!known.is_open()) return {raw.data, 0.0};
   const std::size_t n = raw.data.size();
+  const OneAirAndContact one(known, deviation);
   std::vector<AtThePlate> at;
   at.reserve(n);
   for (std::size_t k = 0; k < n; ++k)
-    at.push_back(at_the_plate(raw.data.v_mps[k], raw.data.eps[k], raw.from_height[k], known, deviation));
+    at.push_back(one.at_the_plate(raw.data.v_mps[k], raw.data.eps[k], raw.from_height[k]));
   std::vector<std::size_t> order(n);
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return at[a].v_mps < at[b].v_mps; });

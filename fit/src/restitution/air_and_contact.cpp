@@ -25,6 +25,7 @@ constexpr double kLeastFlight = 0.05;
 /// One of the balls people drop, without a name.
 struct Usual {
   double ln_kappa, kappa_sd, ln_tau, tau_sd;
+  double kappa_exponent;  ///< kappa goes as about this power of the speed: small balls' most
 };
 /// Those of the catalogue that have a size, and steel, marbles and superballs of the usual ones.
 const std::vector<Usual>& usual_balls() {
@@ -34,11 +35,12 @@ const std::vector<Usual>& usual_balls() {
     const auto add = [&](const std::string& text, double kappa_sd, double tau_sd) {
       const Ball ball = ball_from_text(text);
       if (const auto contact = contact_duration(ball, kGlass))
-        all.push_back({log(drag_per_m(ball, {}, 1.0)), kappa_sd, log(contact->at_1_mps_s), tau_sd});
+        all.push_back({log(drag_per_m(ball, {}, 1.0)), kappa_sd, log(contact->at_1_mps_s), tau_sd,
+                       log(drag_per_m(ball, {}, 2.0) / drag_per_m(ball, {}, 0.5)) / log(4.0)});
     };
     for (const BallKind& kind : ball_kinds())
       if (kind.diameter_m) add(kind.name, 0.2, 0.35);
-    for (const char* sized : {"steel:10mm", "glass:16mm", "superball:30mm"}) add(sized, 0.35, 0.5);
+    for (const char* sized : {"steel:6mm", "steel:10mm", "glass:16mm", "superball:30mm"}) add(sized, 0.35, 0.5);
     return all;
   }();
   return balls;
@@ -48,10 +50,22 @@ constexpr double kAnyOther = 0.15;   // share of what is none of them
 
 double normal_density(double x, double sd) { return exp(-0.5 * square(x / sd)) / sd; }
 
-double kappa_at(double v_mps, const AirAndContact& known, double ln_kappa) {
-  if (!known.has_drag) return 0.0;
-  const double kappa = known.ball ? drag_per_m(*known.ball, known.air, kSpeedOfDrag * v_mps) : known.kappa_per_m;
-  return kappa * exp(ln_kappa);
+/// What may be of a ball that is not named: the density of one of the usual balls with its share, and of any other.
+/// @param visit  (density, ball), ball null of any other
+template <class Visit>
+void for_each_possible(const AirAndContact& known, Deviation deviation, Visit visit) {
+  const double ln_kappa = log(known.kappa_per_m) + deviation.ln_kappa;
+  const double ln_tau = known.has_contact ? log(known.contact.at_1_mps_s) + deviation.ln_tau : 0.0;
+  const auto of_contact = [&](double median, double sd) {
+    return known.has_contact ? normal_density(ln_tau - median, sd) : 1.0;
+  };
+  visit(kAnyOther * normal_density(deviation.ln_kappa, kKappaSpread) *
+            of_contact(log(kAnyContact.at_1_mps_s), kAnyContact.spread),
+        nullptr);
+  for (const Usual& one : usual_balls())
+    visit((1.0 - kAnyOther) / static_cast<double>(usual_balls().size()) *
+              normal_density(ln_kappa - one.ln_kappa, one.kappa_sd) * of_contact(one.ln_tau, one.tau_sd),
+          &one);
 }
 
 }  // namespace
@@ -100,39 +114,49 @@ double AirAndContact::ln_prior(Deviation deviation) const {
   if (!has_drag || ball) {
     return normal(deviation.ln_kappa, kappa_spread) + normal(deviation.ln_tau, contact.spread);
   }
-  const double ln_kappa = log(kappa_per_m) + deviation.ln_kappa;
-  if (!has_contact) {
-    double sum = kAnyOther * normal_density(deviation.ln_kappa, kKappaSpread);
-    for (const Usual& one : usual_balls())
-      sum += (1.0 - kAnyOther) / static_cast<double>(usual_balls().size()) *
-             normal_density(ln_kappa - one.ln_kappa, one.kappa_sd);
-    return log(sum);
-  }
-  const double ln_tau = log(contact.at_1_mps_s) + deviation.ln_tau;
-  double sum = kAnyOther * normal_density(deviation.ln_kappa, kKappaSpread) *
-               normal_density(ln_tau - log(kAnyContact.at_1_mps_s), kAnyContact.spread);
-  for (const Usual& one : usual_balls())
-    sum += (1.0 - kAnyOther) / static_cast<double>(usual_balls().size()) *
-           normal_density(ln_kappa - one.ln_kappa, one.kappa_sd) * normal_density(ln_tau - one.ln_tau, one.tau_sd);
+  double sum = 0.0;
+  for_each_possible(*this, deviation, [&](double density, const Usual*) { sum += density; });
   return log(sum);
 }
 
-AtThePlate at_the_plate(double v_mps, double eps, bool from_height, const AirAndContact& known, Deviation deviation) {
-  const double g = known.gravity_mps2, factor = exp(deviation.ln_tau);
-  const auto contact_s = [&](double v) { return known.has_contact ? factor * known.contact.at(v) : 0.0; };
+OneAirAndContact::OneAirAndContact(const AirAndContact& known, Deviation deviation)
+    : known_(known), kappa_factor_(exp(deviation.ln_kappa)), tau_factor_(exp(deviation.ln_tau)) {
+  if (!known.has_drag || known.ball) return;
+  double sum = 0.0;
+  for_each_possible(known, deviation, [&](double density, const Usual* ball) {
+    sum += density;
+    if (ball) kappa_exponent_ += density * ball->kappa_exponent;
+  });
+  kappa_exponent_ = sum > 0.0 ? kappa_exponent_ / sum : 0.0;
+}
+
+double OneAirAndContact::kappa_per_m(double v_mps) const {
+  if (!known_.has_drag) return 0.0;
+  constexpr double kLeastSpeed_mps = 0.1;  // below it drag is nothing, and the power grows
+  const double v = std::max(kLeastSpeed_mps, kSpeedOfDrag * v_mps);
+  return kappa_factor_ *
+         (known_.ball ? drag_per_m(*known_.ball, known_.air, v) : known_.kappa_per_m * pow(v, kappa_exponent_));
+}
+
+double OneAirAndContact::contact_s(double v_mps) const {
+  return known_.has_contact ? tau_factor_ * known_.contact.at(v_mps) : 0.0;
+}
+
+AtThePlate OneAirAndContact::at_the_plate(double v_mps, double eps, bool from_height) const {
+  const double g = known_.gravity_mps2;
   const double before_s = 2.0 * v_mps / g;
   AtThePlate at;
   if (from_height) {
-    at.v_mps = fall_with_drag_mps(v_mps * v_mps / (2.0 * g), g, kappa_at(v_mps, known, deviation.ln_kappa));
+    at.v_mps = fall_with_drag_mps(v_mps * v_mps / (2.0 * g), g, kappa_per_m(v_mps));
   } else {
     // the contact with which the interval begins: the ball came down there by 1/eps faster than it went up
     const double flight_s = std::max(kLeastFlight * before_s, before_s - contact_s(v_mps / std::clamp(eps, 0.2, 1.0)));
-    const double kappa = kappa_at(0.5 * g * flight_s, known, deviation.ln_kappa);
+    const double kappa = kappa_per_m(0.5 * g * flight_s);
     at.v_mps = flight_with_drag(flight_s, g, kappa).landing_mps;
   }
   const double after_s = eps * before_s, rest_s = after_s - contact_s(at.v_mps);
   if (rest_s > kLeastFlight * std::abs(after_s)) {
-    const double kappa = kappa_at(0.5 * g * rest_s, known, deviation.ln_kappa);
+    const double kappa = kappa_per_m(0.5 * g * rest_s);
     at.eps = flight_with_drag(rest_s, g, kappa).launch_mps / at.v_mps;
     // the launch grows with the flight as kappa v^2/g faster than in proportion, twice its own share
     at.stretch = v_mps / at.v_mps * (1.0 + 0.75 * kappa * square(0.5 * g * rest_s) / g);
@@ -145,9 +169,10 @@ AtThePlate at_the_plate(double v_mps, double eps, bool from_height, const AirAnd
 
 RestitutionSamples at_the_plate(RestitutionSamples samples, const AirAndContact& known, Deviation deviation) {
   if (!known.is_open()) return samples;
+  const OneAirAndContact one(known, deviation);
   for (RestitutionSample& s : samples) {
     if (!std::isfinite(s.v_mps) || !std::isfinite(s.eps) || !(s.v_mps > 0.0)) continue;
-    const AtThePlate at = at_the_plate(s.v_mps, s.eps, s.impact == 0, known, deviation);
+    const AtThePlate at = one.at_the_plate(s.v_mps, s.eps, s.impact == 0);
     s.v_mps = at.v_mps;
     s.eps = at.eps;
     if (s.sigma_eps) *s.sigma_eps *= at.stretch;

@@ -18,7 +18,7 @@ struct Deviation {
 /// (docs/physics.md, section 9)
 struct AirAndContact {
   double gravity_mps2 = kDefaultGravity_mps2;
-  std::optional<Ball> ball;  ///< named: drag by the standard curve, else the same kappa at all speeds
+  std::optional<Ball> ball;  ///< named: drag by the standard curve, else as of the usual balls it may be
   Air air;
   double kappa_per_m = 0.0;   ///< median, of a ball that is not named; 0: no drag
   double kappa_spread = 0.0;  ///< standard deviation of ln kappa, 0 where there is no drag
@@ -46,8 +46,24 @@ struct AtThePlate {
   double v_mps = 0.0, eps = 0.0;
   double stretch = 1.0;  ///< d eps / d (T'/T): of errors, and of the density of T'/T
 };
-/// @param from_height  the speed is that of a fall without drag, not of an interval
-AtThePlate at_the_plate(double v_mps, double eps, bool from_height, const AirAndContact& known, Deviation deviation);
+
+/// One of the deviations. Drag of a ball that is not named depends on the speed as that of the usual balls which it may
+/// then be.
+class OneAirAndContact {
+ public:
+  /// @param known  must outlive this
+  OneAirAndContact(const AirAndContact& known, Deviation deviation);
+  /// @param from_height  the speed is that of a fall without drag, not of an interval
+  AtThePlate at_the_plate(double v_mps, double eps, bool from_height) const;
+
+ private:
+  double kappa_per_m(double v_mps) const;
+  double contact_s(double v_mps) const;
+
+  const AirAndContact& known_;
+  double kappa_factor_, tau_factor_;
+  double kappa_exponent_ = 0.0;
+};
 
 /// The samples as they are at the plate.
 RestitutionSamples at_the_plate(RestitutionSamples samples, const AirAndContact& known, Deviation deviation);

@@ -125,7 +125,8 @@ Json provenance_beside(const fs::path& file) {
   const fs::path path = provenance_path(file);
   if (!fs::is_regular_file(path)) return {};
   Json meta = json_in(path);
-  if (meta.is_discarded()) throw FileError(path.string(), "is not JSON, as what is known of the file beside it would be; delete it");
+  if (meta.is_discarded())
+    throw FileError(path.string(), "is not JSON, as what is known of the file beside it would be; delete it");
   return meta;
 }
 

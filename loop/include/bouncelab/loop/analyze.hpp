@@ -51,8 +51,8 @@ struct Analysis {
   Onsets onsets;                                          ///< of all recordings, or those that were given
   fit::Restitution restitution;
   fit::FitResult fit;
-  std::optional<detection::WavePreview> wave;           ///< of the first recording in which impacts were found
-  std::vector<RecordingDetails> details;                ///< of the first kMostShown drops
+  std::optional<detection::WavePreview> wave;  ///< of the first recording in which impacts were found
+  std::vector<RecordingDetails> details;       ///< of the first kMostShown drops
 };
 
 /// summary.json: counts and recordings.
