@@ -18,7 +18,8 @@ Command restitution_command() {
           .positional(),
       member("out", &O::out, "Samples, .csv").looks_like("FILE").required()};
   static const Description ball = ball_options(
-      "those of the onsets' .meta.json where they were simulated, else not known: drag and contact time are then open");
+      "those of the simulation that the onsets come from (.meta.json), else not known: drag and contact time are then "
+      "open");
   auto options = std::make_shared<O>();
   return {"restitution",
           "Coefficients of restitution from impact times: ratios of neighbouring intervals",
