@@ -13,6 +13,7 @@
 #include <map>
 #include <mutex>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <tuple>
 
 #include "bouncelab/audio/audio_reader.hpp"
@@ -139,24 +140,28 @@ std::optional<std::string> parameter_in(const Json& meta, const std::string& opt
   return found->get<std::string>();
 }
 
-/// The input that a provenance names, where it was or beside the output; absent where that content is not there.
+/// The input that a provenance names, where it was or beside the output; absent where that content is not there, or
+/// nothing is known of it: then nobody waits for its sum.
 std::optional<fs::path> found_input(const Json& input, const fs::path& output) {
   if (!input.is_object() || !input.contains("path") || !input["path"].is_string()) return std::nullopt;
   const fs::path named = input["path"].get<std::string>();
   for (const fs::path& path : {named, output.parent_path() / named.filename()})
-    if (fs::is_regular_file(path) && sha256_of_file(path) == sum_in(input)) return path;
+    if (fs::is_regular_file(path) && fs::is_regular_file(provenance_path(path)) &&
+        sha256_of_file(path) == sum_in(input))
+      return path;
   return std::nullopt;
 }
 
-/// @param n_more  commands back
-std::optional<std::string> parameter_in_history(const fs::path& file, const std::string& option, int n_more) {
-  if (n_more == 0 || file.empty() || is_stream(file)) return std::nullopt;
+/// @param seen  files that were asked: one that is named twice, or in a circle, is asked once
+std::optional<std::string> parameter_in_history(const fs::path& file, const std::string& option,
+                                                std::set<fs::path>& seen) {
+  if (file.empty() || is_stream(file) || !seen.insert(file).second) return std::nullopt;
   const Json meta = provenance_beside(file);
   if (!meta.is_object()) return std::nullopt;
   if (meta.contains("inputs") && meta["inputs"].is_array())
     for (const Json& input : meta["inputs"])
       if (const auto at = found_input(input, file))
-        if (auto earlier = parameter_in_history(*at, option, n_more - 1); earlier && !earlier->empty()) return earlier;
+        if (auto earlier = parameter_in_history(*at, option, seen); earlier && !earlier->empty()) return earlier;
   return parameter_in(meta, option, file);
 }
 
@@ -221,8 +226,8 @@ bool is_written_with(const fs::path& file, const std::string& option) {
 }
 
 std::optional<std::string> parameter_in_provenance(const fs::path& file, const std::string& option) {
-  constexpr int kLongestHistory = 8;  // simulate, synthesize, detect, restitution, and files that name each other
-  return parameter_in_history(file, option, kLongestHistory);
+  std::set<fs::path> seen;
+  return parameter_in_history(file, option, seen);
 }
 
 std::string provenance(const Run& run, const std::vector<fs::path>& inputs, const std::string& sha256) {
