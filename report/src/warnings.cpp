@@ -131,7 +131,7 @@ void warn_of_rows_left_out(const LeftOut& left_out, std::vector<std::string>& wa
     std::string in_words = "flag " + reason;
     if (flag) in_words = "not finite";
     if (reason == "speed_not_positive") in_words = "speed not positive";
-    if (reason == "contact_longer_than_flight") in_words = "the ball named touches the floor longer than that bounce";
+    if (reason == "contact_most_of_bounce") in_words = "the ball named touches the floor for most of that bounce";
     warnings.push_back(formatted("%zu of the samples left out: %s; the first is number %zu", left_out.n.at(reason),
                                  in_words.c_str(), first));
   }
@@ -151,6 +151,7 @@ void warn_of_mixed_conditions(const RestitutionSamples& used, std::vector<std::s
 void warn_of_all_samples(const RestitutionSamples& used, const LeftOut& left_out, std::vector<std::string>& warnings) {
   warn_of_samples(used, warnings);
   warn_of_rows_left_out(left_out, warnings);
+  warn_of_mixed_conditions(used, warnings);
 }
 
 /// What is open of the fit with memory, which needs a radius and a moment of inertia.
@@ -171,7 +172,6 @@ void warn(const FitResult& result, const RestitutionSamples& samples, FitInWords
   std::vector<std::string>& first = words.warnings;
   if (disagree(result.recordings)) first.push_back(in_words(result.recordings));
   warn_of_all_samples(used, left_out, first);
-  warn_of_mixed_conditions(used, first);
   // why there is no curve is a detail where eps is known all the same
   const LawFit quoted = quoted_law(result);
   const bool no_curve = !quoted.message.empty() && quoted.status != FitStatus::not_identifiable;

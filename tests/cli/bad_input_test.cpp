@@ -188,5 +188,17 @@ TEST_F(BadInput, WhatIsNoTableIsRefusedInAShortLine) {
   expect_refused("fit b.csv --out f.json", 3, {"b.csv", "is empty"});
 }
 
+TEST_F(BadInput, AResultThatIsNoneOfAFitIsRefusedByTheReport) {
+  fs::create_directory(folder_ / "r");
+  for (const char* text : {"[]", "{}", "null", "3"}) {
+    write("r/fit.json", text);
+    expect_refused("report r", 3, {"r/fit.json", "is no result of a fit"});
+  }
+  for (const char* text : {"{\"law\":1e400}", "{\"law\":"}) {
+    write("r/fit.json", text);
+    expect_refused("report r", 3, {"r/fit.json", "is not JSON"});
+  }
+}
+
 }  // namespace
 }  // namespace bouncelab::cli_test

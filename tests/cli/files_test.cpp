@@ -58,7 +58,15 @@ TEST_F(Files, NoOutputReplacesAnInput) {
   expect_kept("simulate --law table:law.csv --out law.csv --force", {"law.csv", "is the input"});
   ASSERT_EQ(run("simulate --drops 1 --impacts 9 --asperities 99 --out sim.csv").exit_code, 0);
   expect_kept("restitution sim.csv --out sim.csv.meta.json --force", {"sim.csv.meta.json", "is the input"});
+  write("p.csv", "drop,impact,x_m,y_m\n0,0,0,0\n");
+  expect_kept("restitution on.csv --positions p.csv --out p.csv --force", {"p.csv", "is the input"});
   fs::create_directory(folder_ / "out");
+  write("out/onsets.csv", "rec.wav\n");
+  expect_kept("analyze --list out/onsets.csv --out out --force", {"out/onsets.csv", "is the input"});
+  write("out/sweep.csv", "v_mps,eps\n0.01,0.9\n5,0.8\n");
+  write("sweep.toml", "law = [\"table:out/sweep.csv\", \"constant:0.9\"]\n");
+  expect_kept("loop --config sweep.toml --drops 2 --impacts 8 --asperities 99 --out out --force",
+              {"out/sweep.csv", "is the input"});
   fs::create_hard_link(folder_ / "rec.wav", folder_ / "out" / "wave.json");
   expect_one_line_error(run("analyze rec.wav --out out --force"), 2, {"out/wave.json", "is the input"});
 }
@@ -270,6 +278,26 @@ TEST_F(Files, TheSameRecordingGivenTwiceCountsOnce) {
   const Json summary = json("out/summary.json");
   EXPECT_EQ(summary["n_onsets"], 25);
   EXPECT_EQ(summary["warnings"][0], "copy.wav: the same recording as a.wav (by content); counted once");
+}
+
+TEST_F(Files, AListOfRecordingsMayHaveWindowsLineEnds) {
+  write("a.wav", float_wav(bouncing(12), 44100));
+  write("b.wav", float_wav(bouncing(13), 44100));
+  write("list.txt", "a.wav\r\nb.wav\r\n");
+  const Result result = run("detect --list list.txt --out o.csv --json");
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(Json::parse(result.out)["n_onsets"], 25);
+}
+
+TEST_F(Files, OneOfTwoRecordingsAndAFlagMayNotBeUtf8) {
+  write("a\xff.wav", float_wav(bouncing(12), 44100));
+  write("b.wav", float_wav(bouncing(13), 44100));
+  EXPECT_LE(run("analyze 'a\xff.wav' b.wav --out out --json").exit_code, 1);
+  EXPECT_EQ(json("out/summary.json")["n_onsets"], 25);
+  write("fl.csv", "drop,impact,t_s,flags\n0,0,0.1,a\xff\n0,1,0.4,\n0,2,0.6,\n0,3,0.75,\n");
+  EXPECT_EQ(run("restitution fl.csv --out fls.csv").exit_code, 0);
+  EXPECT_LE(run("fit fls.csv --out f.json --json").exit_code, 1);
+  EXPECT_EQ(run("convert fl.csv --to fl.txt").exit_code, 0);
 }
 
 }  // namespace

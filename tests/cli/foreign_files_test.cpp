@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What people have: times and marks of any program, recordings with gaps, several tracks or files joined, and sounds in
 // which no ball is found.
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
 #include <vector>
 
+#include "bouncelab/core/samples.hpp"
+#include "bouncelab/core/table.hpp"
 #include "program.hpp"
 #include "wav.hpp"
 
@@ -228,6 +231,33 @@ TEST_F(ForeignFiles, ASecondBallIsSaid) {
   write("one.wav", float_wav(bouncing(12, kEps, 0.6), 44100));
   EXPECT_THAT(run("detect two.wav --out o.csv").err, HasSubstr("a second ball seems to bounce at the same time"));
   EXPECT_THAT(run("detect one.wav --out p.csv").err, testing::Not(HasSubstr("second ball")));
+}
+
+/// A table with other separators.
+std::string resaved(std::string table, char separator) {
+  std::replace(table.begin(), table.end(), ',', separator);
+  return table;
+}
+
+TEST_F(ForeignFiles, TablesOfOursThatWereSavedAgainBySpreadsheetsAreThoseTables) {
+  ASSERT_EQ(run("simulate --drops 3 --impacts 20 --asperities 99 --out i.csv").exit_code, 0);
+  ASSERT_EQ(run("restitution i.csv --out s.csv").exit_code, 0);
+  const auto eps_of = [&](const std::string& samples) {
+    std::vector<double> all;
+    for (const RestitutionSample& s : samples_from_table(read_csv(folder_ / samples, sample_columns()), samples))
+      all.push_back(s.eps);
+    return all;
+  };
+  for (const char separator : {';', '\t'}) {
+    // the impacts begin at 0 in each drop, and so do their numbers
+    write("o2.csv", resaved(content_of(folder_ / "i.csv"), separator));
+    ASSERT_EQ(run("restitution o2.csv --out s2.csv --force").exit_code, 0);
+    EXPECT_EQ(eps_of("s2.csv"), eps_of("s.csv"));
+    write("s3.csv", resaved(content_of(folder_ / "s.csv"), separator));
+    EXPECT_LE(run("fit s3.csv --out f3.json --force").exit_code, 1);
+    EXPECT_TRUE(fs::exists(folder_ / "f3.json"));
+    fs::remove(folder_ / "f3.json");
+  }
 }
 
 }  // namespace

@@ -87,5 +87,13 @@ TEST_F(Names, ImpactsWithoutStatesAreSynthesizedFromEveryFormat) {
   }
 }
 
+TEST_F(Names, OfAFolderReachesTheTerminalEscapedInItsReportsPath) {
+  write("drop.wav", float_wav(bouncing(20), 44100));
+  const Result result = run("analyze drop.wav --out 'o\x1b[31mred'");
+  EXPECT_LE(result.exit_code, 1) << result.err;
+  EXPECT_THAT(result.out, testing::HasSubstr("o\\x1b[31mred/report.html"));
+  EXPECT_EQ(result.out.find('\x1b'), std::string::npos);
+}
+
 }  // namespace
 }  // namespace bouncelab::cli_test

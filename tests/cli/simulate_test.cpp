@@ -53,6 +53,8 @@ TEST_F(SimulateCommand, RefusesWhatCannotBeWithTheQuantityAndItsRange) {
                         {"drop height", "inside the plate"});
   expect_one_line_error(run("simulate --radius-law gauss:1 --out a.csv"), 2, {"gauss:1", "exponential"});
   expect_one_line_error(run("simulate --law series:A2=5 --out a.csv"), 2, {"coefficient of restitution", "A2 = 5"});
+  expect_one_line_error(run("simulate --spin 1e6,1e6,1e6 --drops 1 --impacts 3 --asperities 100 --out a.csv"), 2,
+                        {"coefficient of restitution", "which this experiment reaches"});
   // dust: 24 s and 5 GB for the sinking of one ball
   expect_one_line_error(run("simulate --ball steel:2um --drag --height 1 --out a.csv"), 2, {"drop height", "in air"});
   write("eps.csv", "v_mps,eps\n0.2,0.9\n0.1,0.8\n");

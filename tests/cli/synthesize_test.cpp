@@ -110,6 +110,8 @@ TEST_F(Synthesize, BadInputIsRefusedByValue) {
   expect_refused("i.csv --out r.flac --rate 1000000", 2, {"FLAC", "1000000"});
   expect_refused("i.csv --out r.mp3", 2, {".mp3", ".wav"});
   expect_refused("i.csv --out r.wav --channel 0.2,0", 2, {"sensor x_m", "0.2"});
+  write("long.csv", "drop,impact,t_s,v_mps,v_after_mps\n0,0,0.1,1,0.9\n0,1,1e9,0.9,0.8\n");
+  expect_refused("long.csv --out r.wav", 2, {"drop 0, impact 1", "no drop lasts longer"});
   expect_refused("i.csv --out r.wav --channel 0.1", 2, {"--channel", "'0.1'"});
   expect_refused("i.csv --out r.wav --together 9", 2, {"--together", "1 to 8"});
   expect_refused("i.csv --out r.wav --together 2 --each-drop", 2, {"together", "2"});

@@ -2,6 +2,7 @@
 #include "stages/ball_of_files.hpp"
 
 #include <algorithm>
+#include <filesystem>
 
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/table.hpp"
@@ -9,17 +10,23 @@
 #include "stages/files/provenance.hpp"
 
 namespace bouncelab::stages {
+namespace fs = std::filesystem;
 
 namespace {
 
 /// The value that an option had in the files' history; empty: none, or not known.
 /// @param by  the option by which a user may say what holds for all
 std::string common_parameter(const std::vector<std::string>& files, const std::string& option, const std::string& by) {
-  std::string first = parameter_in_provenance(files.front(), option).value_or("");
+  const auto of = [&](const std::string& file) { return parameter_in_provenance(file, option).value_or(""); };
+  const auto in_words = [](const std::string& value) {
+    return value.empty() ? "not known" : "'" + printable(value) + "'";
+  };
+  const std::string first = of(files.front());
   for (const std::string& file : files)
-    if (const std::string other = parameter_in_provenance(file, option).value_or(""); other != first)
-      throw InvalidArgument(printable(file) + ": was made with --" + option + " '" + printable(other) + "', but " +
-                            printable(files.front()) + " with '" + printable(first) + "'; name one with --" + by);
+    if (const std::string other = of(file);
+        other != first && fs::exists(file))  // what is missing is said by its reader
+      throw InvalidArgument(printable(file) + ": its --" + option + " is " + in_words(other) + ", that of " +
+                            printable(files.front()) + " " + in_words(first) + "; name one with --" + by);
   return first;
 }
 
@@ -28,7 +35,8 @@ bool are_simulated(const std::vector<std::string>& files) {
     return parameter_in_provenance(file, "asperities").has_value();
   };
   const auto first = std::find_if(files.begin(), files.end(), is_simulated);
-  const auto other = std::find_if_not(files.begin(), files.end(), is_simulated);
+  const auto other = std::find_if(files.begin(), files.end(),
+                                  [&](const std::string& file) { return fs::exists(file) && !is_simulated(file); });
   if (first != files.end() && other != files.end())
     throw InvalidArgument(printable(*first) + ": was simulated, " + printable(*other) +
                           " was not; take them one by one, or say what air there was (--air)");
@@ -36,6 +44,11 @@ bool are_simulated(const std::vector<std::string>& files) {
 }
 
 }  // namespace
+
+void keep_conditions_of(const std::string& impacts, Parameters& parameters) {
+  for (const char* option : {"asperities", "drag", "gravity"})
+    if (const auto value = parameter_in_provenance(impacts, option)) parameters.push_back({option, {*value}});
+}
 
 BallChoice with_provenance(BallChoice choice, const std::vector<std::string>& files) {
   if (choice.ball.empty()) choice.ball = common_parameter(files, "ball", "ball");

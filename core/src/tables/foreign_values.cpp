@@ -177,8 +177,16 @@ std::optional<Sequence> rows_of_values(const ForeignTable& table) {
   return sequence;
 }
 
+/// The column that is called as in tables of ours, which somebody saved again with other separators.
+std::optional<std::size_t> own_column(const ForeignTable& table, const char* title) {
+  const auto found = std::find(table.titles.begin(), table.titles.end(), title);
+  if (found == table.titles.end()) return std::nullopt;
+  return static_cast<std::size_t>(found - table.titles.begin());
+}
+
 std::size_t value_column(const ForeignTable& table, const ForeignOptions& options, const std::string& name) {
   if (const auto told = told_column(table, options, "t", name)) return *told;
+  if (const auto own = own_column(table, "t_s"); own && options.as != "intervals") return *own;
   std::vector<std::size_t> numeric;
   for (std::size_t k = 0; k < table.n_columns(); ++k) {
     const Numbers numbers = numbers_of(table, k);
@@ -427,6 +435,8 @@ std::optional<std::size_t> column_with(const ForeignTable& table, Words words, s
 TakenTable samples_from_foreign(const ForeignTable& foreign, const std::string& name, const ForeignOptions& options) {
   auto eps = told_column(foreign, options, "eps", name);
   auto v = told_column(foreign, options, "v", name);
+  if (!eps) eps = own_column(foreign, "eps");
+  if (!v) v = own_column(foreign, "v_mps");
   if (!eps) eps = column_with(foreign, kEpsWords, v);
   if (!v) v = column_with(foreign, kSpeedWords, eps);
   if (!eps || !v)

@@ -49,7 +49,7 @@ Flags::Flags(std::initializer_list<Flag> flags) {
 
 Flags Flags::from_text(std::string text) {
   Flags flags;
-  flags.text_ = std::move(text);
+  if (text.find_first_not_of(" \t") != std::string::npos) flags.text_ = std::move(text);
   return flags;
 }
 

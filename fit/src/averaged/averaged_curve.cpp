@@ -361,11 +361,6 @@ std::optional<AveragedCurve> averaged_curve(const RestitutionSamples& samples, c
                                             const LawFitConfig& config, std::vector<double> node_speeds_mps,
                                             DeviationEstimate& estimate) {
   if (samples.empty()) return std::nullopt;
-  // no ball that is dropped in air gets so fast, and what drag does to such a flight grows without bound
-  constexpr double kFastest_mps = 50.0;
-  std::vector<double> speeds_mps;
-  for (const RestitutionSample& s : samples) speeds_mps.push_back(s.v_mps);
-  if (known.has_drag && median(std::move(speeds_mps)) > kFastest_mps) return std::nullopt;
   return Averaging(samples, known, config, std::move(node_speeds_mps)).run(estimate);
 }
 

@@ -313,7 +313,7 @@ BetweenRecordings compare_campaign(const std::vector<CampaignRecording>& recordi
   if (result.n_used < kFewestPooled) {
     result.message = std::to_string(result.n_used) + " of " + std::to_string(result.n_recordings) +
                      (result.n_recordings == 1 ? " recording has" : " recordings have") +
-                     " a law of its own: at least " + std::to_string(kFewestPooled) + " are needed";
+                     " a law of its own: a law of all needs " + std::to_string(kFewestPooled) + ", a comparison 2";
     return result;
   }
   const Design design = make_design(recordings);

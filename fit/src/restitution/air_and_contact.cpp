@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "bouncelab/core/elementary.hpp"
+#include "bouncelab/core/numerics.hpp"
 
 namespace bouncelab::fit {
 namespace {
@@ -19,6 +20,8 @@ constexpr double kKappaSpreadOfNamed = 0.1;
 constexpr ContactDuration kAnyContact{0.5e-3, 0.0, 1.7};
 // Where the drag of a flight is taken, of its speed at the plate: drag takes energy as C_d v^2, most of it there.
 constexpr double kSpeedOfDrag = 0.85;
+// No ball that is dropped in air gets so fast, and what drag does to such a flight grows without bound.
+constexpr double kFastest_mps = 50.0;
 // Of a flight that a contact would leave nothing of.
 constexpr double kLeastFlight = 0.05;
 
@@ -74,6 +77,17 @@ double kappa_at_1_mps(const AirAndContact& known) {
   return known.ball ? drag_per_m(*known.ball, known.air, 1.0) : known.kappa_per_m;
 }
 
+namespace {
+
+double median_speed_mps(const RestitutionSamples& samples) {
+  std::vector<double> speeds_mps;
+  for (const RestitutionSample& s : samples)
+    if (std::isfinite(s.v_mps)) speeds_mps.push_back(s.v_mps);
+  return speeds_mps.empty() ? 0.0 : median(std::move(speeds_mps));
+}
+
+}  // namespace
+
 AirAndContact air_and_contact_of(const RestitutionSamples& samples) {
   AirAndContact known;
   if (samples.empty()) return known;
@@ -83,7 +97,8 @@ AirAndContact air_and_contact_of(const RestitutionSamples& samples) {
   if (said.air_kgpm3) known.air.density_kgpm3 = *said.air_kgpm3;
   // speeds without a gravity are of no intervals: measured as they are
   const bool of_intervals = said.gravity_mps2.has_value();
-  known.has_drag = of_intervals && !said.drag_corrected && known.air.density_kgpm3 > 0.0;
+  known.has_drag =
+      of_intervals && !said.drag_corrected && known.air.density_kgpm3 > 0.0 && median_speed_mps(samples) < kFastest_mps;
   if (known.has_drag) {
     known.kappa_per_m = kKappa_per_m * known.air.density_kgpm3 / Air{}.density_kgpm3;
     known.kappa_spread = known.ball ? kKappaSpreadOfNamed : kKappaSpread;

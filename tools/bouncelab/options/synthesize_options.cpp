@@ -4,6 +4,7 @@
 
 #include "bouncelab/synthesis/synthetic_recording.hpp"
 #include "options/commands.hpp"
+#include "stages/ball_of_files.hpp"
 #include "stages/synthesize.hpp"
 
 namespace bouncelab::cli {
@@ -45,6 +46,7 @@ Command synthesize_command() {
             if (world.plate.empty()) world.plate = kPaperBall.plate;
             set_parameter(run.parameters, "ball", world.ball);
             set_parameter(run.parameters, "plate", world.plate);
+            keep_conditions_of(options->impacts, run.parameters);
             return run_synthesize(*options, run);
           },
           {},

@@ -131,10 +131,16 @@ Json provenance_beside(const fs::path& file) {
   return meta;
 }
 
+/// Whether the file has the content that the provenance was written for.
+bool is_of(const Json& meta, const fs::path& file) {
+  const std::string sum = sum_in(meta);
+  return sum.empty() || sum == sha256_of_file(file);
+}
+
 /// The value of an option of the command itself; absent where the provenance is none or of another content.
 std::optional<std::string> parameter_in(const Json& meta, const std::string& option, const fs::path& file) {
   if (!meta.is_object() || !meta.contains("parameters") || !meta["parameters"].is_object()) return std::nullopt;
-  if (const std::string sum = sum_in(meta); !sum.empty() && sum != sha256_of_file(file)) return std::nullopt;
+  if (!is_of(meta, file)) return std::nullopt;
   const auto found = meta["parameters"].find(option);
   if (found == meta["parameters"].end() || !found->is_string()) return std::nullopt;
   return found->get<std::string>();
@@ -157,7 +163,7 @@ std::optional<std::string> parameter_in_history(const fs::path& file, const std:
                                                 std::set<fs::path>& seen) {
   if (file.empty() || is_stream(file) || !seen.insert(file).second) return std::nullopt;
   const Json meta = provenance_beside(file);
-  if (!meta.is_object()) return std::nullopt;
+  if (!meta.is_object() || !is_of(meta, file)) return std::nullopt;
   if (meta.contains("inputs") && meta["inputs"].is_array())
     for (const Json& input : meta["inputs"])
       if (const auto at = found_input(input, file))

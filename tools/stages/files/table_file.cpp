@@ -128,12 +128,14 @@ namespace {
 std::vector<fs::path> files_named_by_options(const Run& run) {
   std::vector<fs::path> files;
   std::error_code none;
-  for (const Parameter& parameter : run.parameters) {
-    if (names_outputs(parameter)) continue;
-    for (const std::string& value : parameter.values)
+  const auto add = [&](const std::vector<std::string>& values) {
+    for (const std::string& value : values)
       for (const fs::path file : {value, value.substr(value.find(':') + 1)})
         if (fs::is_regular_file(file, none)) files.push_back(file);
-  }
+  };
+  for (const Parameter& parameter : run.parameters)
+    if (!names_outputs(parameter)) add(parameter.values);
+  for (const loop::SweepAxis& axis : run.sweep) add(axis.values);
   return files;
 }
 

@@ -103,6 +103,9 @@ void validate(const Impacts& impacts, const SynthesisConfig& config) {
     if (goes_on && impact.t_s <= impacts.rows[k - 1].t_s)
       throw InvalidArgument(place + "t_s " + std::to_string(impact.t_s) + " does not come after " +
                             std::to_string(impacts.rows[k - 1].t_s) + "; sort by drop and time");
+    constexpr double kLongestDrop_s = 1e6;  // eleven days of one ball; the paper's whole experiment took 7 hours
+    if (std::abs(impact.t_s) > kLongestDrop_s)
+      throw InvalidArgument(place + "t_s is " + std::to_string(impact.t_s) + "; no drop lasts longer than 1e6 s");
     if (!(impact.v_mps > 0.0) || !std::isfinite(impact.v_mps) || !std::isfinite(impact.v_after_mps))
       throw InvalidArgument(place + "v_mps is " + std::to_string(impact.v_mps) + "; it must be positive and finite");
     if (impacts.states.empty() || !config.simulated_positions) continue;
