@@ -10,8 +10,8 @@
 namespace bouncelab::fit {
 namespace {
 
-/// Whether the ball that is named touches the plate for most of the time that a bounce of the sample lasts: what is left
-/// of a flight then is the error of the contact time.
+/// Whether the ball that is named touches the plate for most of the time that a bounce of the sample lasts: what is
+/// left of a flight then is the error of the contact time.
 class ContactMostOfBounce {
  public:
   bool operator()(const RestitutionSample& s) {

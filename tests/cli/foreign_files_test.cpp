@@ -260,5 +260,21 @@ TEST_F(ForeignFiles, TablesOfOursThatWereSavedAgainBySpreadsheetsAreThoseTables)
   }
 }
 
+TEST_F(ForeignFiles, DropsOfTwoBallsInOneTableAreToldApart) {
+  const auto drops = [](double other) {
+    std::string text = "drop,t_s\n";
+    for (int drop = 0; drop < 20; ++drop) {
+      double t = 0.5, interval = 0.3 + 0.01 * drop;
+      for (int k = 0; k < 12; ++k, interval *= drop < 10 ? 0.8 : other)
+        text += std::to_string(drop) + "," + std::to_string(t) + "\n", t += interval;
+    }
+    return text;
+  };
+  write("two.csv", drops(0.9));
+  EXPECT_THAT(run("analyze two.csv").out, HasSubstr("10 of the 20 drops have an ε about 0.1 above that of the others"));
+  write("one.csv", drops(0.801));
+  EXPECT_THAT(run("analyze one.csv").out, Not(HasSubstr("of the 20 drops have")));
+}
+
 }  // namespace
 }  // namespace bouncelab::cli_test

@@ -30,8 +30,8 @@ class PartOfSamples {
   std::optional<RestitutionSamples> part_;
 };
 
-/// Those without a flag, finite, with v > 0 and flights longer than the contacts of a named ball, in their order. @param
-/// samples  must outlive the result
+/// Those without a flag, finite, with v > 0 and flights longer than the contacts of a named ball, in their order.
+/// @param samples  must outlive the result
 PartOfSamples usable_samples(const RestitutionSamples& samples, LeftOut& left_out);
 
 }  // namespace bouncelab::fit
