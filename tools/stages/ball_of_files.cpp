@@ -21,7 +21,7 @@ std::string common_parameter(const std::vector<std::string>& files, const std::s
   const auto in_words = [](const std::string& value) {
     return value.empty() ? "not known" : "'" + printable(value) + "'";
   };
-  const std::string first = of(files.front());
+  std::string first = of(files.front());
   for (const std::string& file : files)
     if (const std::string other = of(file);
         other != first && fs::exists(file))  // what is missing is said by its reader
