@@ -185,6 +185,10 @@ FitResult fit_on_these_threads(const RestitutionSamples& samples, const FitConfi
   step();
   // with the outliers of the pooled law: they may be all of one recording
   if (config.compare_recordings) result.recordings = compare_recordings(used, config.law, result.law);
+  result.kinds_of_drops = two_kinds_of_drops(used);
+  const bool recordings_agree =
+      result.recordings.rows.empty() || (result.recordings.test && !disagree(result.recordings));
+  result.is_one_ball = config.pool || (recordings_agree && !result.kinds_of_drops);
   step();
   if (known.is_open()) {
     const PartOfSamples raw(*part, result.law.outliers);
@@ -196,7 +200,7 @@ FitResult fit_on_these_threads(const RestitutionSamples& samples, const FitConfi
     if (result.memory) open.widen_law(*result.memory);
   }
   const LawFit quoted = quoted_law(result);
-  if (!result.law.nodes.empty()) {
+  if (result.is_one_ball && !result.law.nodes.empty()) {
     const double v_mps = config.dem_speed_mps.value_or(result.law.nodes[result.law.nodes.size() / 2].v_mps);
     LawFit shown = quoted;
     shown.curve = quoted_curve(result);

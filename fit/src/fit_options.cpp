@@ -63,6 +63,7 @@ const Description& members_of(const FitConfig*) {
           "Replicates of the bootstrap by drop, 0 = none")
           .within(0, 1e5),
       member("goodness_replicates", &C::n_goodness, "Replicates of the Anderson-Darling test, 0 = none").within(0, 1e5),
+      member("pool", &C::pool, "One answer for all recordings and drops, also where they do not agree"),
       member("hand_off_speed", &C::dem_speed_mps,
              "Speed of the constant eps for DEM codes [m/s]; default the middle node")
           .within(1e-6, 1e3),

@@ -8,8 +8,8 @@
 
 namespace bouncelab::report {
 
-FitInWords in_words(const fit::FitResult& result, const RestitutionSamples& samples, fit::UseMemory memory, bool pool) {
-  FitInWords words{plain_answer(result, samples, pool), {}, {}, {}, findings_of(result)};
+FitInWords in_words(const fit::FitResult& result, const RestitutionSamples& samples, fit::UseMemory memory) {
+  FitInWords words{plain_answer(result, samples), {}, {}, {}, findings_of(result)};
   words.causes = causes_of(result, words.answer, samples);
   warn(result, samples, words);
   if (memory == fit::UseMemory::always && result.memory && !result.memory->holds)

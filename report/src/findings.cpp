@@ -181,6 +181,7 @@ std::string remembers(const FitResult& r) {
 }
 
 std::string in_dem(const FitResult& r) {
+  if (!r.is_one_ball) return "Not of these samples together: one value for all would belong to no ball.";
   if (!r.dem_export) return "Not at all: ε is not between 0 and 1 there.";
   const fit::DemExport& d = *r.dem_export;
   return formatted(

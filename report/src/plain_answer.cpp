@@ -185,6 +185,15 @@ std::string of_range(const PlainAnswer& answer, bool differ) {
                         : "each has a value of its own (--pool makes one of all).");
 }
 
+/// Two balls, or two floors, which nothing but the drops tells apart.
+std::string of_kinds(const KindsOfDrops& kinds) {
+  const int decimals = std::clamp(1 - static_cast<int>(std::floor(log10(kinds.eps_upper - kinds.eps_lower))), 2, 8);
+  return formatted(
+      "The drops are of two kinds: ε is about %.*f in %zu of them and about %.*f in %zu. Two balls, or two "
+      "floors? Take them apart: one value for all would belong to no ball (--pool makes one).",
+      decimals, kinds.eps_lower, kinds.n_lower, decimals, kinds.eps_upper, kinds.n_upper);
+}
+
 /// "dropped from about 5 cm; 52 impacts in 8.2 s"
 std::string of_drops(const DropsSeen& seen, bool one_ball) {
   std::string text;
@@ -229,13 +238,12 @@ std::string in_words(const RecordingAnswer& recording) {
                       : name + recording.missing;
 }
 
-PlainAnswer plain_answer(const FitResult& result, const RestitutionSamples& samples, bool pool) {
+PlainAnswer plain_answer(const FitResult& result, const RestitutionSamples& samples) {
   PlainAnswer answer;
   answer.seen = drops_seen(samples);
   answer.recordings = answers_by_recording(result, samples);
   const bool is_fitted = usable(result) || result.averaged;
-  const bool agree = answer.recordings.empty() || (result.recordings.test && !disagree(result.recordings));
-  const bool pooled = is_fitted && (pool || agree);
+  const bool pooled = is_fitted && result.is_one_ball;
   if (pooled) {
     answer.with_memory = memory_holds(result);
     const auto& nodes = quoted_nodes(result);
@@ -254,7 +262,10 @@ PlainAnswer plain_answer(const FitResult& result, const RestitutionSamples& samp
                                  " % of the energy of its motion up and down is lost in each bounce" +
                                  " at that speed" + why_not_of_peak(*answer.at) + ".");
   } else {
-    answer.sentences.push_back(is_fitted ? of_range(answer, disagree(result.recordings)) : of_missing(result, samples));
+    answer.sentences.push_back(!is_fitted ? of_missing(result, samples)
+                               : result.kinds_of_drops && !disagree(result.recordings)
+                                   ? of_kinds(*result.kinds_of_drops)
+                                   : of_range(answer, disagree(result.recordings)));
   }
   if (std::string drops = of_drops(answer.seen, answer.recordings.empty()); !drops.empty())
     answer.sentences.push_back(std::move(drops));

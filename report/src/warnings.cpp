@@ -151,35 +151,8 @@ void warn_of_mixed_conditions(const RestitutionSamples& used, std::vector<std::s
                   n));
 }
 
-/// Drops that are of two kinds: their medians of ε fall into two groups, each narrower than half the gap between them,
-/// which is more than speeds of drops from other heights change.
-void warn_of_two_balls(const RestitutionSamples& used, std::vector<std::string>& warnings) {
-  constexpr std::size_t kFewest = 3;          // samples of a drop whose median says something
-  constexpr std::ptrdiff_t kFewestDrops = 2;  // of each group: one alone may have met something
-  constexpr double kMostBySpeed = 0.4;        // of 1 - ε: the viscoelastic law's change over a factor 7 of speed
-  std::map<std::pair<std::string, std::int64_t>, std::vector<double>> drops;
-  for (const RestitutionSample& s : used) drops[{s.recording, s.drop}].push_back(s.eps);
-  std::vector<double> medians;
-  for (auto& [drop, eps] : drops)
-    if (eps.size() >= kFewest) medians.push_back(median(std::move(eps)));
-  std::sort(medians.begin(), medians.end());
-  const auto n = std::ssize(medians);
-  std::ptrdiff_t below = 0;  // how many of them are in the lower group
-  double gap = 0.0;
-  for (std::ptrdiff_t k = kFewestDrops; k + kFewestDrops <= n; ++k)
-    if (const double here = medians[k] - medians[k - 1]; here > gap) gap = here, below = k;
-  if (below == 0) return;
-  const double widest = std::max(medians[below - 1] - medians.front(), medians.back() - medians[below]);
-  if (widest > 0.5 * gap || gap < kMostBySpeed * (1.0 - medians[below - 1])) return;
-  warnings.push_back(
-      formatted("%td of the %td drops have an ε about %.2g above that of the others: two balls, or two "
-                "floors? Take them apart",
-                n - below, n, gap));
-}
-
 /// Of the samples alone, whatever is fitted to them.
 void warn_of_all_samples(const RestitutionSamples& used, const LeftOut& left_out, std::vector<std::string>& warnings) {
-  warn_of_two_balls(used, warnings);
   warn_of_samples(used, warnings);
   warn_of_rows_left_out(left_out, warnings);
   warn_of_mixed_conditions(used, warnings);

@@ -13,8 +13,7 @@ inline constexpr std::size_t kMostWarnings = 3;
 void warn(const fit::FitResult& result, const RestitutionSamples& samples, FitInWords& words);
 /// "0.947 to 0.951": the 95 % interval, which must be there.
 std::string interval_in_words(const fit::Estimate& e);
-/// @param pool  one answer for all recordings, whether they agree or not
-PlainAnswer plain_answer(const fit::FitResult& result, const RestitutionSamples& samples, bool pool);
+PlainAnswer plain_answer(const fit::FitResult& result, const RestitutionSamples& samples);
 /// The nodes that the answer is of: of the fit with memory where it holds, else the average over laws, else the law's.
 const std::vector<fit::NodeEstimate>& nodes_of(const fit::FitResult& result, bool with_memory);
 /// Speed, air and roughness, the largest that is seen first; none without an answer.

@@ -171,5 +171,26 @@ TEST_F(CompareCommand, BadInputGetsOneLine) {
   expect_one_line_error(run("compare s.csv --groups neither.csv --out o"), 3, {"neither.csv", "plate", "date"});
 }
 
+TEST_F(CompareCommand, SaysWhereBallGravityOrCorrectionsDiffer) {
+  const std::string simulate = "simulate --drops 4 --impacts 30 --asperities 99 --seed ";
+  ASSERT_EQ(run(simulate + "1 --out a.csv").exit_code, 0);
+  ASSERT_EQ(run(simulate + "2 --out b.csv").exit_code, 0);
+  ASSERT_EQ(run(simulate + "3 --ball glass:5mm --gravity 5 --out c.csv").exit_code, 0);
+  for (const std::string name : {"a", "b", "c"})
+    ASSERT_EQ(run("restitution " + name + ".csv --out " + name + "s.csv").exit_code, 0);
+  EXPECT_THAT(run("compare as.csv bs.csv --out same").err, testing::Not(testing::HasSubstr("of another ball")));
+  const Result result = run("compare as.csv bs.csv cs.csv --out o");
+  EXPECT_THAT(result.err + result.out, testing::HasSubstr("of another ball, plate or gravity than the first"));
+}
+
+TEST_F(CompareCommand, APlateIsTheSameWithBlanksAroundItsName) {
+  write_samples();
+  std::string groups = content_of(folder_ / "g.csv");
+  groups.replace(groups.find("glass 1\n"), 8, "glass 1 \n");
+  write("g.csv", groups);
+  ASSERT_EQ(run("compare s.csv --groups g.csv --out o").exit_code, 0);
+  EXPECT_EQ(comparison().at("plates").at("rows").size(), kPlates);
+}
+
 }  // namespace
 }  // namespace bouncelab::cli_test

@@ -81,6 +81,10 @@ TEST_F(Convert, BadInputIsNamed) {
   expect_refused("m.txt --to x.wav", 2, {"x.wav", "--recording"});
   expect_refused("m.txt --recording gone.wav --to x.svl", 3, {"gone.wav"});
   expect_refused("r.wav --to x.csv", 3, {"r.wav", "no cue points"});
+  write("late.txt", "0.5\t0.5\thit\n1000\t1000\thit\n");
+  for (const char* out : {"x.svl", "x.TextGrid", "x.wav"})
+    expect_refused(std::string("late.txt --recording r.wav --to ") + out, 3,
+                   {"r.wav", "1000.000 s", "another recording"});
   write("bad.jsonl", "{\"t_s\": 0.1}\n{\"t_s\": \"soon\"}\n");
   expect_refused("bad.jsonl --to x.csv", 3, {"bad.jsonl", "line 2", "t_s"});
   write("list.jsonl", "[1, 2]\n");

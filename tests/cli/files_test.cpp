@@ -300,5 +300,35 @@ TEST_F(Files, OneOfTwoRecordingsAndAFlagMayNotBeUtf8) {
   EXPECT_EQ(run("convert fl.csv --to fl.txt").exit_code, 0);
 }
 
+TEST_F(Files, EverythingThatIsReadIsInTheProvenance) {
+  ASSERT_EQ(run("convert on.csv --to m.txt").exit_code, 0);
+  ASSERT_EQ(run("convert m.txt --to back.csv").exit_code, 0);
+  EXPECT_THAT(content("back.csv.meta.json"), testing::HasSubstr("\"m.txt.onsets.csv\""));
+  EXPECT_LE(run("restitution m.txt --out s.csv").exit_code, 1);
+  EXPECT_THAT(content("s.csv.meta.json"), testing::HasSubstr("\"m.txt.onsets.csv\""));
+  write("law.csv", "v_mps,eps\n0.01,0.9\n5,0.8\n");
+  write("sw.toml", "law = [\"table:law.csv\", \"constant:0.9\"]\n");
+  ASSERT_LE(run("loop --config sw.toml --drops 2 --impacts 8 --asperities 99 --out sw").exit_code, 1);
+  for (const char* file : {"\"path\": \"law.csv\"", "\"path\": \"sw.toml\""})
+    EXPECT_THAT(content("sw/sweep.csv.meta.json"), testing::HasSubstr(file));
+}
+
+TEST_F(Files, AReportIsNotMadeOfTwoRuns) {
+  write("rec.wav", float_wav(bouncing(12), 44100));
+  write("other.wav", float_wav(bouncing(20), 44100));
+  ASSERT_LE(run("analyze rec.wav --out a").exit_code, 1);
+  ASSERT_LE(run("analyze other.wav --out b").exit_code, 1);
+  EXPECT_EQ(run("report a --force").exit_code, 0);
+  fs::copy_file(folder_ / "b/samples.csv", folder_ / "a/samples.csv", fs::copy_options::overwrite_existing);
+  expect_one_line_error(run("report a --force"), 3, {"a/fit.json", "other samples"});
+}
+
+TEST_F(Files, AnOptionWithoutAValueIsRefused) {
+  for (const char* arguments :
+       {"detect \"\" --out o.csv", "detect --list \"\" --out o.csv", "restitution on.csv --positions \"\" --out s.csv",
+        "simulate --surface \"\" --out i.csv", "fit on.csv --out f.json --table \"\""})
+    expect_one_line_error(run(arguments), 2, {"is empty"});
+}
+
 }  // namespace
 }  // namespace bouncelab::cli_test

@@ -303,5 +303,33 @@ TEST_F(FitCommand, ASpeedBeyondThoseMeasuredAndABallThatIsAnotherAreSaid) {
   EXPECT_THAT(run("fit s6.csv --ball steel:6mm --out f.json --force").err, testing::Not(testing::HasSubstr(other)));
 }
 
+TEST_F(FitCommand, OfExactlyOneCoefficientLeavesNoneOut) {
+  std::string samples = "v_mps,eps\n";
+  for (int k = 0; k < 50; ++k) samples += number(0.3 + 0.02 * k) + ",0.9000000000\n";
+  const Result result = fit(samples);
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(found().at("n_used"), 50);
+}
+
+TEST_F(FitCommand, AConstantLawThatWasAskedForIsNotExplainedByTooFewBounces) {
+  const Result result = fit(table(80, 0.3, 1.2), "--law-kind constant");
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(found().at("law").at("law"), "constant");
+  for (const std::string& text : {result.out, result.err, found().dump()})
+    EXPECT_THAT(text, testing::Not(testing::HasSubstr("too few bounces")));
+}
+
+TEST_F(FitCommand, PositionsAreOfOneRecording) {
+  std::string onsets = "recording,drop,impact,t_s\n", positions = "drop,impact,x_m,y_m\n";
+  for (const char* name : {"r1.wav", "r2.wav"})
+    for (int k = 0; k < 5; ++k)
+      onsets += std::string(name) + ",0," + std::to_string(k) + "," + std::to_string(0.3 * k - 0.01 * k * k) + "\n";
+  for (int k = 0; k < 5; ++k) positions += "0," + std::to_string(k) + ",0.1,0.2\n";
+  write("o.csv", onsets);
+  write("p.csv", positions);
+  expect_one_line_error(run("restitution o.csv --positions p.csv --out x.csv"), 2,
+                        {"positions are of one recording", "r1.wav", "r2.wav"});
+}
+
 }  // namespace
 }  // namespace bouncelab::cli_test

@@ -271,9 +271,33 @@ TEST_F(ForeignFiles, DropsOfTwoBallsInOneTableAreToldApart) {
     return text;
   };
   write("two.csv", drops(0.9));
-  EXPECT_THAT(run("analyze two.csv").out, HasSubstr("10 of the 20 drops have an ε about 0.1 above that of the others"));
+  const Result two = run("analyze two.csv --out two");
+  EXPECT_THAT(two.out, HasSubstr("two kinds: ε is about 0.80 in 10 of them and about 0.90 in 10"));
+  EXPECT_THAT(two.out, Not(HasSubstr("ε = ")));  // no value would be that of a ball
+  expect_one_line_error(run("dem two/fit.json --code lammps"), 3, {"two/fit.json", "--pool"});
+  EXPECT_THAT(run("analyze two.csv --out pooled --pool").out, HasSubstr("ε = "));
+  EXPECT_EQ(run("dem pooled/fit.json --code lammps").exit_code, 0);
   write("one.csv", drops(0.801));
-  EXPECT_THAT(run("analyze one.csv").out, Not(HasSubstr("of the 20 drops have")));
+  EXPECT_THAT(run("analyze one.csv").out, HasSubstr("ε = 0.80"));
+}
+
+TEST_F(ForeignFiles, UnitsInTitlesAreThoseOfTheNumbers) {
+  const auto taken_for = [&](const std::string& title, double unit_s) {
+    std::string text = title + "\n";
+    for (const double t_s : {0.0, 0.5, 0.95, 1.355}) text += std::to_string(t_s / unit_s) + "\n";
+    write("u.csv", text);
+    return run("convert u.csv --to o.csv --force").out;
+  };
+  EXPECT_THAT(taken_for("t_cs", 1e-2), HasSubstr("times in cs"));
+  EXPECT_THAT(content_of(folder_ / "o.csv"), HasSubstr(",1.355,"));
+  EXPECT_THAT(taken_for("time [h]", 3600.0), HasSubstr("times in h"));
+  EXPECT_THAT(taken_for("Zeit (ms)", 1e-3), HasSubstr("times in ms"));
+  write("f.csv", "frame\n12\n132\n240\n337\n");
+  expect_one_line_error(run("convert f.csv --to p.csv"), 3, {"f.csv", "frame", "counts frames"});
+  for (const auto& [title, unit] : {std::pair{"v_cmps", "cm/s"}, {"v [mm/s]", "mm/s"}, {"v_kmh", "km/h"}}) {
+    write("v.csv", std::string(title) + ",eps\n80,0.8\n64,0.8\n51,0.8\n41,0.8\n");
+    EXPECT_THAT(run("fit v.csv --out f.json --force").out, HasSubstr(std::string("speeds in ") + unit)) << title;
+  }
 }
 
 }  // namespace

@@ -83,5 +83,18 @@ TEST_F(SameBytes, AndNumbersOfEveryStageOnAnyNumberOfThreads) {
     }
 }
 
+TEST_F(SameBytes, InAnyTimeZoneAndLanguage) {
+  ASSERT_EQ(run("simulate --drops 2 --impacts 12 --asperities 99 --out i.csv").exit_code, 0);
+  std::string first;
+  // where de_DE is not installed the language is that of C
+  for (const std::string where : {"LC_ALL=C TZ=UTC", "LC_ALL=de_DE.UTF-8 TZ=Asia/Tokyo"}) {
+    ASSERT_EQ(shell(where + " \"$B\" restitution i.csv --out s.csv --force --quiet").exit_code, 0);
+    ASSERT_LE(shell(where + " \"$B\" fit s.csv --out f.json --force --quiet").exit_code, 1);
+    const std::string both = content_of(folder_ / "s.csv") + content_of(folder_ / "f.json");
+    if (first.empty()) first = both;
+    EXPECT_TRUE(both == first) << where;
+  }
+}
+
 }  // namespace
 }  // namespace bouncelab::cli_test

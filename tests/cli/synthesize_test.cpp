@@ -139,5 +139,12 @@ TEST_F(Synthesize, APositionOffThePlateIsNamed) {
   expect_refused("away.csv --out r.wav", 2, {"x = 0.2", "off the plate", "simulate --plate-size", "--positions drawn"});
 }
 
+TEST_F(Synthesize, EachDropFindsAllNamesFreeBeforeItWritesTheFirst) {
+  write_drops("i.csv", 4);
+  write("each.0002.wav", "mine");
+  expect_refused("i.csv --each-drop --out each.wav --rate 8000 --max-mode 2000", 3,
+                 {"each.0002.wav", "exists already"});
+}
+
 }  // namespace
 }  // namespace bouncelab::cli_test

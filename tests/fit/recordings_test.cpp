@@ -144,5 +144,47 @@ TEST(Recordings, AtSpeedsOfTheirOwnCannotBeToldFromTheCurve) {
   EXPECT_FALSE(compared(samples).test);
 }
 
+/// Two balls, ten drops of twelve bounces each, in one recording.
+RestitutionSamples of_two_balls(double shift, double sd_between_drops, std::uint64_t seed) {
+  RestitutionSamples samples =
+      samples_of({{"a", 120, 0.0, 10, sd_between_drops}, {"b", 120, shift, 10, sd_between_drops}}, seed);
+  for (RestitutionSample& s : samples) {
+    if (s.recording == "b") s.drop += 10;
+    s.recording.clear();
+  }
+  return samples;
+}
+
+TEST(KindsOfDrops, AreTwoWhereThereAreTwoBallsAndNotWhereDropsOfOneDiffer) {
+  for (std::uint64_t seed = 1; seed <= 30; ++seed) {
+    // single impacts scatter by some .004
+    const auto two = two_kinds_of_drops(of_two_balls(-0.05, 2e-3, seed));
+    ASSERT_TRUE(two) << seed;
+    EXPECT_EQ(two->n_lower, 10u);
+    EXPECT_EQ(two->n_upper, 10u);
+    EXPECT_NEAR(two->eps_upper - two->eps_lower, 0.05, 5e-3);
+    for (const double sd : {0.0, 2e-3, 1e-2}) EXPECT_FALSE(two_kinds_of_drops(of_two_balls(0.0, sd, seed))) << seed;
+  }
+}
+
+TEST(KindsOfDrops, OneBallFromTwoHeightsIsOfOneKindThoughNothingScatters) {
+  for (const double other_mps : {2.0, 10.0}) {
+    RestitutionSamples samples;
+    for (int drop = 0; drop < 10; ++drop) {
+      double v_mps = (drop < 5 ? 1.0 : other_mps) * (1.0 + 0.01 * drop);
+      for (int k = 0; k < 4; ++k) {
+        RestitutionSample s;
+        s.drop = drop;
+        s.impact = k;
+        s.v_mps = v_mps;
+        s.eps = 1.0 - 0.2 * std::pow(v_mps, 0.2);
+        v_mps *= s.eps;
+        samples.push_back(s);
+      }
+    }
+    EXPECT_FALSE(two_kinds_of_drops(samples)) << other_mps;
+  }
+}
+
 }  // namespace
 }  // namespace bouncelab::fit

@@ -188,7 +188,9 @@ TEST(PlainAnswer, OfRecordingsThatCannotBeComparedIsPooledWhereAskedFor) {
   EXPECT_FALSE(apart.at);
   EXPECT_THAT(apart.sentences.at(0), HasSubstr("agree cannot be told"));
   EXPECT_THAT(apart.sentences.at(0), HasSubstr("--pool"));
-  EXPECT_TRUE(in_words(result, samples, UseMemory::where_long, true).answer.at);
+  FitConfig config;
+  config.pool = true;
+  EXPECT_TRUE(in_words(fit_all(samples, config), samples).answer.at);
 }
 
 TEST(PlainAnswer, OfUnlikeRecordingsIsPooledWhereAskedForAndTheDoubtSaysThatTheyDoNotAgree) {
@@ -196,7 +198,9 @@ TEST(PlainAnswer, OfUnlikeRecordingsIsPooledWhereAskedForAndTheDoubtSaysThatThey
   for (RestitutionSample& s : samples)
     if (s.recording == "b") s.eps -= 0.05;  // a hundred times its scatter
   const FitResult result = fit_all(samples, {});
-  FitInWords apart = in_words(result, samples), pooled = in_words(result, samples, UseMemory::where_long, true);
+  FitConfig config;
+  config.pool = true;
+  FitInWords apart = in_words(result, samples), pooled = in_words(fit_all(samples, config), samples);
   choose_doubt(apart.warnings, apart);
   choose_doubt(pooled.warnings, pooled);
   EXPECT_FALSE(apart.answer.at);

@@ -12,6 +12,7 @@
 #include "bouncelab/core/samples.hpp"
 #include "bouncelab/report/page.hpp"
 #include "stages/figures.hpp"
+#include "stages/files/provenance.hpp"
 #include "stages/files/table_file.hpp"
 #include "stages/progress_line.hpp"
 
@@ -98,6 +99,9 @@ Outcome run_report(const ReportOptions& options, const Run& run) {
   report::ReportInput input;
   input.title = options.title.empty() ? "Restitution: " + name_of_folder(folder) : options.title;
   input.fit_json = fit_if_there(fit, inputs);
+  if (const fs::path samples = folder / "samples.csv"; fs::exists(samples) && is_made_of_another(fit, samples))
+    throw FileError(fit.string(), "is a fit of other samples than " + samples.string() +
+                                      " has; make it anew (bouncelab fit or analyze, with --force)");
   input.summary_json = content_if_there(folder / "summary.json", inputs);
   input.wave_json = content_if_there(folder / "wave.json", inputs);
   input.paper_json = content_if_there(folder / "paper.json", inputs);

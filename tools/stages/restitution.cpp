@@ -14,6 +14,7 @@
 #include "bouncelab/core/parallel.hpp"
 #include "bouncelab/report/detection.hpp"
 #include "stages/files/foreign_files.hpp"
+#include "stages/files/label_track.hpp"
 #include "stages/files/several_files.hpp"
 #include "stages/files/table_file.hpp"
 
@@ -102,7 +103,7 @@ Object summary_of(const fit::RestitutionCounts& counts, const fit::RestitutionCo
 Stage<fit::RestitutionCounts> run_restitution(const RestitutionOptions& options, const Run& run) {
   std::vector<std::filesystem::path> inputs(options.onsets.begin(), options.onsets.end());
   inputs.emplace_back(options.positions);
-  check_files(run, inputs, {options.out});
+  check_files(run, with_onsets_beside(inputs), {options.out});
   const fit::RestitutionConfig config = restitution_config(options);
   Stage<fit::RestitutionCounts> stage;
   Outcome& outcome = stage.outcome;
@@ -112,6 +113,7 @@ Stage<fit::RestitutionCounts> run_restitution(const RestitutionOptions& options,
   std::vector<std::string> taken_for;
   const fit::RestitutionCounts& counts = stage.result =
       restitution_of_files(inputs, config, options.foreign, samples, taken_for, outcome.warnings);
+  inputs = with_onsets_beside(std::move(inputs));
   if (!options.positions.empty()) inputs.emplace_back(options.positions);
   outcome.text = lines_of(taken_for) + text_of(counts, config);
   outcome.warnings = joined(outcome.warnings, report::warnings_of(counts, config));

@@ -106,11 +106,10 @@ OutputFile::OutputFile(fs::path path, bool may_replace) {
   const bool to_stream = target.kind == FileTarget::Kind::stream;
   const fs::path folder = to_stream ? folder_for_temporary_files() : target.path.parent_path();
   remove_abandoned_files_once(folder);
+  // what few may read few may read while it is written
+  const mode_t mode = to_stream ? 0600 : target.kind == FileTarget::Kind::regular ? (target.mode & 0777) | 0600 : 0666;
   try {
-    TemporaryFile temporary = make_temporary_file(folder, path.extension().string(), to_stream ? 0600 : 0666);
-    // colleagues who could read the file before can read it after; without the right to change it, it is as new
-    if (target.kind == FileTarget::Kind::regular && ::fchmod(temporary.descriptor.get(), target.mode & 0777) != 0)
-      errno = 0;
+    TemporaryFile temporary = make_temporary_file(folder, path.extension().string(), mode);
     state_ = std::make_unique<State>();
     state_->path = std::move(path);
     state_->target = std::move(target);
@@ -127,10 +126,18 @@ OutputFile::~OutputFile() = default;
 
 const fs::path& OutputFile::temporary_path() const { return state_->temporary.path; }
 
+void OutputFile::write(std::string_view bytes) {
+  if (const int error = write_all(state_->temporary.descriptor.get(), bytes.data(), bytes.size()); error != 0)
+    throw FileError(state_->path.string(), why_writing_failed(error));
+}
+
 void OutputFile::commit() {
   State& s = *state_;
   if (s.target.kind == FileTarget::Kind::stream)
     return copy_to_stream(s.target, s.temporary.descriptor.get(), s.path == "-" ? "standard output" : s.path.string());
+  // colleagues who could read the file before can read it after; without the right to change it, it is as new
+  if (s.target.kind == FileTarget::Kind::regular && ::fchmod(s.temporary.descriptor.get(), s.target.mode & 0777) != 0)
+    errno = 0;
   s.rename_into_place();
   s.is_in_place = true;
 }
@@ -152,9 +159,7 @@ void close_written(std::ofstream& file, const fs::path& name) {
 
 void write_whole(const fs::path& path, std::string_view content, bool may_replace) {
   OutputFile file(path, may_replace);
-  std::ofstream out(file.temporary_path(), std::ios::binary | std::ios::trunc);
-  out.write(content.data(), static_cast<std::streamsize>(content.size()));
-  close_written(out, path);
+  file.write(content);
   file.commit();
 }
 

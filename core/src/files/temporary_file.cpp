@@ -261,6 +261,8 @@ FolderLock::FolderLock(const fs::path& folder) {
                                            ") is at work in this folder; wait for it, or choose another folder");
     // the one that had it deletes the file before it lets go
     if (!has_name(file.get(), path)) continue;
+    // of a run that was killed it stays, and whoever shares the folder must be able to take it
+    if (::fchmod(file.get(), 0666) != 0) errno = 0;
     const std::string number = std::to_string(::getpid()) + "\n";
     if (::ftruncate(file.get(), 0) != 0 || write_all(file.get(), number.data(), number.size()) != 0)
       errno = 0;  // a full disk: only the number is missing in the message of the one that is refused

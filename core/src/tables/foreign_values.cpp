@@ -33,6 +33,7 @@ constexpr std::array<std::string_view, 9> kEpsWords{
 constexpr std::array<std::string_view, 10> kSpeedWords{
     "v", "speed", "velocity", "geschwindigkeit", "vitesse", "impact", "velocidad", "v\xE2\x82\x80", "vin", "u"};
 
+constexpr std::array<std::string_view, 6> kFrameWords{"frame", "frames", "sample", "samples", "bild", "image"};
 constexpr std::array<std::string_view, 8> kAfterWords{"out", "after", "nach", "rebound", "ab", "aus", "apres", "h"};
 
 bool has_word(std::string_view title, Words wanted) {
@@ -251,11 +252,18 @@ double unit_of(const Sequence& sequence, bool are_intervals, const ForeignOption
                std::string& in_words) {
   if (sequence.values.front().is_clock) return in_words = "clock times", 1.0;
   const auto said = [&](double unit_s) {
-    in_words = unit_s == 60.0 ? "min" : unit_s == 1.0 ? "s" : unit_s == 1e-3 ? "ms" : unit_s == 1e-6 ? "us" : "ns";
+    constexpr std::array<std::pair<double, const char*>, 6> kNames{
+        {{3600.0, "h"}, {60.0, "min"}, {1.0, "s"}, {1e-2, "cs"}, {1e-3, "ms"}, {1e-6, "us"}}};
+    const auto named = std::find_if(kNames.begin(), kNames.end(), [&](const auto& n) { return n.first == unit_s; });
+    in_words = named == kNames.end() ? "ns" : named->second;
     return unit_s;
   };
   if (options.unit != "auto") return said(*time_unit_s(options.unit));
   if (const auto unit_s = time_unit_s(sequence.title)) return said(*unit_s);
+  if (has_word(sequence.title, kFrameWords))
+    throw FileError(name, sequence.from +
+                              " counts frames or samples: divide it by how many there are in a second, or "
+                              "name another column (--columns t=COLUMN)");
   std::vector<double> lengths;
   for (std::size_t k = 0; k < sequence.values.size(); ++k) {
     if (are_intervals)
@@ -410,9 +418,9 @@ double speed_unit_mps(const std::string& title) {
   for (const char c : title)
     if (c != ' ') text += c;
   const auto has = [&](std::string_view unit) { return text.find(unit) != std::string::npos; };
-  if (has("km/h")) return 1.0 / 3.6;
-  if (has("mm/s")) return 1e-3;
-  if (has("cm/s")) return 1e-2;
+  if (has("km/h") || has("kmh") || has("kmph")) return 1.0 / 3.6;
+  if (has("mm/s") || has("mmps")) return 1e-3;
+  if (has("cm/s") || has("cmps")) return 1e-2;
   return 1.0;
 }
 

@@ -155,31 +155,18 @@ bool says_time(const std::vector<std::string>& words) {
 }  // namespace
 
 std::optional<double> time_unit_s(std::string_view title) {
-  constexpr std::array<std::pair<std::string_view, double>, 19> kUnits{{{"s", 1.0},
-                                                                        {"sec", 1.0},
-                                                                        {"second", 1.0},
-                                                                        {"seconds", 1.0},
-                                                                        {"sekunde", 1.0},
-                                                                        {"sekunden", 1.0},
-                                                                        {"seconde", 1.0},
-                                                                        {"secondes", 1.0},
-                                                                        {"segundos", 1.0},
-                                                                        {"ms", 1e-3},
-                                                                        {"millisecond", 1e-3},
-                                                                        {"milliseconds", 1e-3},
-                                                                        {"us", 1e-6},
-                                                                        {"\xC2\xB5s", 1e-6},
-                                                                        {"\xCE\xBCs", 1e-6},
-                                                                        {"microsecond", 1e-6},
-                                                                        {"microseconds", 1e-6},
-                                                                        {"ns", 1e-9},
-                                                                        {"nanoseconds", 1e-9}}};
+  constexpr std::array<std::pair<std::string_view, double>, 20> kUnits{
+      {{"s", 1.0},          {"sec", 1.0},          {"second", 1.0},        {"seconds", 1.0},  {"sekunde", 1.0},
+       {"sekunden", 1.0},   {"seconde", 1.0},      {"secondes", 1.0},      {"segundos", 1.0}, {"cs", 1e-2},
+       {"ms", 1e-3},        {"millisecond", 1e-3}, {"milliseconds", 1e-3}, {"us", 1e-6},      {"\xC2\xB5s", 1e-6},
+       {"\xCE\xBCs", 1e-6}, {"microsecond", 1e-6}, {"microseconds", 1e-6}, {"ns", 1e-9},      {"nanoseconds", 1e-9}}};
   const std::vector<std::string> words = words_of(title);
   for (const std::string& word : words)
     for (const auto& [name, unit_s] : kUnits)
       if (word == name) return unit_s;
-  // by itself "min" is the least of something
+  // by itself "min" is the least of something, and h a height
   if (says_time(words) && holds_any(words, {"min", "minute", "minutes", "minuten", "minutos"})) return 60.0;
+  if (says_time(words) && holds_any(words, {"h", "hour", "hours", "stunden", "heures", "horas"})) return 3600.0;
   return std::nullopt;
 }
 

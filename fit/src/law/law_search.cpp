@@ -324,10 +324,15 @@ std::optional<Candidate> again_without_outliers(const LawData& data, const LawMo
 
 bool remove_outliers(const LawData& data, const LawModel& model, const Candidate& fit, std::vector<std::size_t>& rows,
                      std::vector<std::size_t>& outliers) {
+  constexpr double kLeastOfLost = 1e-3;  // of eps: an impact that is missed or invented changes it by hundredths
   if (!(fit.family.lost_share > 0.0)) return false;
-  const std::vector<double> p = LawLikelihood(data, model, fit.family).probabilities_of_lost(fit.maximum.x);
+  const LawLikelihood likelihood(data, model, fit.family);
+  const std::vector<double> p = likelihood.probabilities_of_lost(fit.maximum.x);
+  const auto is_lost = [&](std::size_t k) {
+    return p[k] > 0.5 && std::abs(data.eps[k] - likelihood.eps_of(fit.maximum.x, k)) > kLeastOfLost;
+  };
   std::vector<std::size_t> kept, lost;
-  for (std::size_t k = 0; k < data.size(); ++k) (p[k] > 0.5 ? lost : kept).push_back(rows[k]);
+  for (std::size_t k = 0; k < data.size(); ++k) (is_lost(k) ? lost : kept).push_back(rows[k]);
   // a curve that so few follow is none: a search of few samples may end beside nearly all of them
   if (lost.empty() || kept.size() < std::max(kFewest, lost.size())) return false;
   rows = std::move(kept);

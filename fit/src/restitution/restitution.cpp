@@ -11,6 +11,7 @@
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/numerics.hpp"
+#include "bouncelab/core/text.hpp"
 #include "restitution/air_and_contact.hpp"
 
 namespace bouncelab::fit {
@@ -208,6 +209,9 @@ RestitutionSamples RestitutionInPieces::add(Onsets onsets) {
   samples.reserve(onsets.size());
   counts_.n_onsets += onsets.size();
   for (Onset& onset : onsets) {
+    if (config_.travel_time && !drop_.empty() && onset.recording != drop_.front().recording)
+      throw InvalidArgument("positions are of one recording: take '" + printable(drop_.front().recording) + "' and '" +
+                            printable(onset.recording) + "' in turn, each with its own");
     if (!drop_.empty() && (onset.recording != drop_.front().recording || onset.drop != drop_.front().drop))
       end_drop(samples);
     drop_.push_back(std::move(onset));

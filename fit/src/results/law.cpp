@@ -235,6 +235,15 @@ const Description& members_of(const RestitutionStep*) {
   return all;
 }
 
+const Description& members_of(const KindsOfDrops*) {
+  using K = KindsOfDrops;
+  static const Description all{result("n_lower", &K::n_lower, "Drops of the lower kind"),
+                               result("n_upper", &K::n_upper, "Of the upper"),
+                               result("eps_lower", &K::eps_lower, "Median of ε of the lower"),
+                               result("eps_upper", &K::eps_upper, "Of the upper")};
+  return all;
+}
+
 const Description& members_of(const FitResult*) {
   using F = FitResult;
   static const Description all{
@@ -253,6 +262,12 @@ const Description& members_of(const FitResult*) {
              "`null`, or the test whether recordings agree, see [several recordings](#several-recordings)"),
       result("recordings", path(&F::recordings, &Recordings::rows),
              "`[...]`: a row for each recording, empty where there is one"),
+      result("kinds_of_drops", &F::kinds_of_drops,
+             "`null`, or where drops are of two kinds `{n_lower, n_upper, eps_lower, eps_upper}`"),
+      result(
+          "is_one_ball", &F::is_one_ball,
+          "Recordings and drops are seen to agree, or `--pool` was given; else `answer` and `hand_off` have no value "
+          "for all"),
       result("law_least_squares", &F::law_least_squares, "The same law by the mean"),
       result("law_least_absolute", &F::law_least_absolute, "The same law by the median"),
       result("law_comparison", path(&F::law, &LawFit::comparison),

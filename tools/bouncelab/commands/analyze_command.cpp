@@ -15,6 +15,7 @@
 #include "bouncelab/core/text.hpp"
 #include "bouncelab/report/detection.hpp"
 #include "stages/files/foreign_files.hpp"
+#include "stages/files/label_track.hpp"
 #include "stages/files/provenance.hpp"
 #include "stages/files/several_files.hpp"
 #include "stages/files/table_file.hpp"
@@ -88,10 +89,10 @@ std::string rows_of(const report::PlainAnswer& answer) {
 /// The files of an analysis in the folder, and what there is to say of it.
 /// @param files     as they were given. @param inputs  those that could be read
 /// @param detected  what there is to say of the times: text, warnings, what went wrong
-Outcome write_analysis(const loop::Analysis& found, const loop::AnalyzeConfig& config, bool pool,
+Outcome write_analysis(const loop::Analysis& found, const loop::AnalyzeConfig& config,
                        const std::vector<fs::path>& files, const std::vector<fs::path>& inputs, const Outcome& detected,
                        const fs::path& folder, const Run& run) {
-  report::FitInWords words = report::in_words(found.fit, found.restitution.samples, config.fit.memory, pool);
+  report::FitInWords words = report::in_words(found.fit, found.restitution.samples, config.fit.memory);
   Outcome fitted = fit_outcome(found.fit, words, (folder / "samples.csv").string());
   // of constants nobody asked
   std::erase(fitted.warnings, quoted_law(found.fit).message);
@@ -120,7 +121,7 @@ Outcome write_analysis(const loop::Analysis& found, const loop::AnalyzeConfig& c
 }
 
 /// Sound -> times and on.
-Outcome analyze_sound(const std::vector<fs::path>& files, const loop::AnalyzeConfig& config, bool pool,
+Outcome analyze_sound(const std::vector<fs::path>& files, const loop::AnalyzeConfig& config,
                       std::vector<std::string> warnings, const fs::path& folder, const Run& run) {
   loop::Analysis found;
   // the checksums of the provenance while the sound is searched, as a thread has time for them
@@ -131,11 +132,11 @@ Outcome analyze_sound(const std::vector<fs::path>& files, const loop::AnalyzeCon
   Outcome detected = detection_outcome(found.recordings, std::move(warnings));
   if (!first_found(found.recordings)) return detected;
   detected.text.clear();
-  return write_analysis(found, config, pool, files, readable_of(found.recordings), detected, folder, run);
+  return write_analysis(found, config, files, readable_of(found.recordings), detected, folder, run);
 }
 
 /// Times of other programs, or of an earlier `detect`, and on.
-Outcome analyze_times(const std::vector<fs::path>& files, const loop::AnalyzeConfig& config, bool pool,
+Outcome analyze_times(const std::vector<fs::path>& files, const loop::AnalyzeConfig& config,
                       const ForeignFileOptions& foreign, std::vector<std::string> warnings, const fs::path& folder,
                       const Run& run) {
   Outcome read;
@@ -158,7 +159,7 @@ Outcome analyze_times(const std::vector<fs::path>& files, const loop::AnalyzeCon
     read.error = input_name(files.front()) + ": no three successive impacts: no coefficient of restitution";
     return read;
   }
-  return write_analysis(found, config, pool, files, files, read, folder, run);
+  return write_analysis(found, config, files, with_onsets_beside(files), read, folder, run);
 }
 
 /// The report of an earlier analysis of these recordings, which nobody has touched: it may be replaced unasked.
@@ -167,7 +168,7 @@ bool is_own_report(const std::vector<fs::path>& outputs, const std::vector<fs::p
          std::all_of(
              recordings.begin(), recordings.end(),
              [](const fs::path& recording) { return !is_stream(recording) && fs::is_regular_file(recording); }) &&
-         are_unchanged_and_of(outputs, recordings);
+         are_unchanged_and_of(outputs, with_onsets_beside(recordings));
 }
 
 }  // namespace
@@ -180,7 +181,7 @@ Outcome run_analyze(const AnalyzeOptions& options, const Run& asked) {
   const std::vector<fs::path> given = recordings_of(options.detect);
   Run run = asked;
   run.common.force = run.common.force || is_own_report(outputs, given);
-  check_files(run, given, outputs);
+  check_files(run, with_onsets_beside(given), outputs);
   std::vector<std::string> warnings;
   const std::vector<fs::path> files = each_once(given, run.common.n_threads, "recording", warnings);
   const loop::AnalyzeConfig config = analyze_config(options, run.common);
@@ -188,11 +189,11 @@ Outcome run_analyze(const AnalyzeOptions& options, const Run& asked) {
     return holds_times(file, options.detect.config.rate_hz.has_value());
   };
   const auto n_times = std::count_if(files.begin(), files.end(), is_times);
-  if (n_times == 0) return analyze_sound(files, config, options.pool, std::move(warnings), folder, run);
+  if (n_times == 0) return analyze_sound(files, config, std::move(warnings), folder, run);
   if (n_times < std::ssize(files))
     throw InvalidArgument(std::find_if(files.begin(), files.end(), is_times)->string() +
                           ": holds times, other files hold sound; analyze one kind at a time");
-  return analyze_times(files, config, options.pool, options.restitution.foreign, std::move(warnings), folder, run);
+  return analyze_times(files, config, options.restitution.foreign, std::move(warnings), folder, run);
 }
 
 }  // namespace bouncelab::cli

@@ -20,7 +20,6 @@ struct AnalyzeOptions {
   DetectOptions detect;
   RestitutionOptions restitution;  ///< with the ball, which the fit reads in the samples
   FitOptions fit;
-  bool pool = false;         ///< one answer for all recordings, whether they agree or not
   bool diagnostics = false;  ///< details of each drop in the report
 };
 

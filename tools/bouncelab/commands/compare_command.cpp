@@ -14,6 +14,7 @@
 #include "bouncelab/core/child_process.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/files.hpp"
+#include "bouncelab/core/foreign_table.hpp"
 #include "bouncelab/core/parallel.hpp"
 #include "bouncelab/core/text.hpp"
 #include "bouncelab/detection/detect.hpp"
@@ -49,7 +50,7 @@ Origins read_groups(const fs::path& path) {
   Origins origins;
   for (std::size_t k = 0; k < recordings->size(); ++k) {
     fit::RecordingOrigin origin;
-    if (plates != nullptr) origin.plate = (*plates)[k];
+    if (plates != nullptr) origin.plate = std::string(cells_of((*plates)[k], '\n').front());  // without blanks around
     if (dates != nullptr && !(*dates)[k].empty()) {
       origin.date = fit::date_from_iso((*dates)[k]);
       if (!origin.date)
@@ -203,11 +204,19 @@ Outcome run_compare(const CompareOptions& options, const Run& run) {
   const Origins origins = options.groups.empty() ? Origins{} : read_groups(options.groups);
   const ProgressCallback progress = progress_line(run, "compare", "recordings");
   Reduction reduction;
-  std::vector<std::string> of_named_balls, of_others;
+  std::vector<std::string> of_named_balls, of_others, of_other_conditions;
+  std::optional<SampleConditions> first;
   const auto take = [&](RestitutionSamples&& samples) {
     const bool is_named = !samples.empty() && samples.front().conditions.ball;
     (is_named ? of_named_balls : of_others).push_back(samples.empty() ? "" : samples.front().recording);
-    reduction.take(is_named ? fit::at_the_plate(std::move(samples)) : std::move(samples));
+    const std::string& recording = (is_named ? of_named_balls : of_others).back();
+    if (is_named) samples = fit::at_the_plate(std::move(samples));
+    if (!samples.empty()) {
+      const SampleConditions& here = samples.front().conditions;
+      if (!first) first = here;
+      if (here != *first && here.ball.has_value() == first->ball.has_value()) of_other_conditions.push_back(recording);
+    }
+    reduction.take(std::move(samples));
     if (progress) progress(static_cast<double>(reduction.recordings.size()), 0.0);
   };
   std::vector<fs::path> sounds, tables;
@@ -222,6 +231,11 @@ Outcome run_compare(const CompareOptions& options, const Run& run) {
         name_some(of_others, recordings.size(),
                   std::string(of_others.size() == 1 ? "names" : "name") +
                       " no ball: drag and contact time are taken out of the others alone; name it (--ball)"));
+  if (!of_other_conditions.empty())
+    outcome.warnings.push_back(name_some(of_other_conditions, recordings.size(),
+                                         std::string(of_other_conditions.size() == 1 ? "is" : "are") +
+                                             " of another ball, plate or gravity than the first, or otherwise "
+                                             "corrected: what differs may be that"));
   name_origins(recordings, origins, options.groups, outcome.warnings);
   fit::BetweenRecordings between = fit::compare_campaign(recordings);
   between.notes = joined(outcome.warnings, between.notes);

@@ -77,21 +77,28 @@ Onsets read_onsets(const ConvertOptions& options, std::vector<std::string>& take
   return all;
 }
 
-/// What a format of marks needs of the recording. @throws FileError with the remedy
+/// What a format of marks needs of the recording. @throws FileError with the remedy; where a mark lies beyond its end
 audio::AudioFormat audio_format(const audio::Annotations& annotations, const std::string& out) {
   if (annotations.recording.empty())
     throw InvalidArgument(out +
                           ": this format needs the recording (its rate, or a copy of it); name it with --recording");
-  return audio::AudioReader(annotations.recording).format();
+  audio::AudioFormat format = audio::AudioReader(annotations.recording).format();
+  const double end_s = static_cast<double>(format.n_frames) / format.rate_hz;
+  for (const audio::Annotation& point : annotations.points)
+    if (point.t_s > end_s)
+      throw FileError(input_name(annotations.recording),
+                      fmt::format("ends at {:.3f} s, and a mark is at {:.3f} s: the marks are of another recording",
+                                  end_s, point.t_s));
+  return format;
 }
 
 void write_annotations(const fs::path& out, const Onsets& onsets, const ConvertOptions& options, const Run& run) {
-  std::vector<fs::path> inputs{options.input};
+  std::vector<fs::path> inputs = with_onsets_beside({options.input});
   const Format format = format_of(out);
   if (format == Format::audacity) return write_label_track(run, out, onsets, inputs);
   const audio::Annotations annotations = audio::annotations_of(onsets);
   if (format == Format::cues) {
-    if (annotations.recording.empty()) audio_format(annotations, out.string());
+    audio_format(annotations, out.string());
     if (annotations.recording != options.input) inputs.emplace_back(annotations.recording);
     OutputFile file(out, run.common.force);
     audio::copy_with_cues(annotations.recording, annotations, file.temporary_path(), out.string());
@@ -113,9 +120,8 @@ void write_annotations(const fs::path& out, const Onsets& onsets, const ConvertO
 
 /// Files that are read, with the onsets beside labels.
 std::set<fs::path> inputs_of(const ConvertOptions& options) {
-  std::set<fs::path> inputs{options.input};
-  if (fs::exists(onsets_beside(options.input))) inputs.insert(onsets_beside(options.input));
-  return inputs;
+  const std::vector<fs::path> inputs = with_onsets_beside({options.input});
+  return {inputs.begin(), inputs.end()};
 }
 
 std::vector<fs::path> outputs_of(const ConvertOptions& options) {
@@ -157,7 +163,7 @@ Converted convert_table(const ConvertOptions& options, const Run& run) {
     for (const auto& table : tables) table->add(rows);
   });
   check_recordings(options, std::move(recordings), run);
-  for (const auto& table : tables) table->finish({options.input});
+  for (const auto& table : tables) table->finish(with_onsets_beside({options.input}));
   return converted;
 }
 
@@ -169,7 +175,7 @@ Converted convert_marks(const ConvertOptions& options, const Run& run) {
   check_recordings(options, std::move(recordings), run);
   for (const std::string& out : options.outputs) {
     if (format_of(out) == Format::table)
-      write_table(run, out, to_table(onsets), {options.input});
+      write_table(run, out, to_table(onsets), with_onsets_beside({options.input}));
     else
       write_annotations(out, onsets, options, run);
   }

@@ -35,6 +35,11 @@ Outcome run_dem(const DemOptions& options) {
   const auto json = nlohmann::ordered_json::parse(whole_content(options.fit), nullptr, false);
   if (!json.is_object() || !json.contains("hand_off"))
     throw FileError(options.fit, "it is no fit.json of bouncelab fit");
+  if (!json.value("is_one_ball", true))
+    throw FileError(
+        options.fit,
+        "its recordings or drops do not agree, one ε for all would belong to no ball: fit each alone, or all "
+        "with --pool");
   if (json.at("hand_off").is_null())
     throw FileError(options.fit, "it has nothing for these codes: no law was fitted, or its ε is not between 0 and 1");
   Outcome outcome;

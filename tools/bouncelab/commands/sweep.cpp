@@ -75,11 +75,12 @@ Outcome run_sweep(const LoopOptions& options, const Run& run) {
     points.push_back(run_point(run, loop::combination(run.sweep, k)));
   }
 
-  write_table(run, folder / "sweep.csv", to_table(points));
+  const std::vector<fs::path> inputs = files_named_by_options(run);
+  write_table(run, folder / "sweep.csv", to_table(points), inputs);
   Object lists;
   for (const loop::SweepAxis& axis : run.sweep) lists.emplace_back(axis.option, axis.values);
   const Object sweep{{"lists", lists}, {"points", value_of(points)}};
-  write_text(run, folder / "sweep.json", json_text(sweep, 1) + "\n");
+  write_text(run, folder / "sweep.json", json_text(sweep, 1) + "\n", inputs);
   const Outcome shown = run_report({folder, folder / "report.html", "Sweep: results for each combination"}, run);
   return {kDone, sweep, sweep_text(points) + shown.text, {}, ""};
 }

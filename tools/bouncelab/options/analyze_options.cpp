@@ -33,7 +33,6 @@ Command analyze_command() {
              "Folder for onsets, samples, fit and report (default: beside the first recording, its name + -bouncelab; "
              "of three NAME-and-2-more-bouncelab)")
           .looks_like("FOLDER"),
-      member("pool", &O::pool, "One answer for all recordings, also where they do not agree"),
       member("diagnostics", &O::diagnostics,
              "Details of each drop in the report: sound and marks, intervals, learned waveform, noise")};
   static const Description ball = ball_options("not known, so that drag and contact time stay open");

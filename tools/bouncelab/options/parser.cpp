@@ -125,6 +125,9 @@ class Parser {
 
   void set_option(const Option& option, const std::vector<std::string>& texts) {
     const Member& member = *option.member;
+    // "$LIST" of a script in which it is not set
+    if (std::any_of(texts.begin(), texts.end(), [](const std::string& text) { return text.empty(); }))
+      throw InvalidArgument("is empty; give a value, or leave it out");
     const Value value = value_from_texts(member, texts);
     // integers as they are read, 2 for 002
     const bool is_integer = std::holds_alternative<std::int64_t>(value) || std::holds_alternative<std::uint64_t>(value);

@@ -10,6 +10,14 @@ std::filesystem::path onsets_beside(const std::filesystem::path& labels) {
   return std::filesystem::path(labels) += ".onsets.csv";
 }
 
+std::vector<std::filesystem::path> with_onsets_beside(std::vector<std::filesystem::path> files) {
+  for (std::size_t k = 0, n = files.size(); k < n; ++k)
+    if (const std::filesystem::path table = onsets_beside(files[k]);
+        files[k].extension() == ".txt" && std::filesystem::exists(table))
+      files.push_back(table);
+  return files;
+}
+
 void write_label_track(const Run& run, const std::filesystem::path& out, const Onsets& onsets,
                        const std::vector<std::filesystem::path>& inputs) {
   write_text(run, out, audio::audacity_labels(audio::shortened(audio::annotations_of(onsets))), inputs);

@@ -14,6 +14,9 @@ namespace bouncelab::stages {
 /// drop.txt -> drop.txt.onsets.csv
 std::filesystem::path onsets_beside(const std::filesystem::path& labels);
 
+/// What is read where these are: with the tables beside labels.
+std::vector<std::filesystem::path> with_onsets_beside(std::vector<std::filesystem::path> files);
+
 /// Writes both, of onsets of one recording.
 void write_label_track(const Run& run, const std::filesystem::path& out, const Onsets& onsets,
                        const std::vector<std::filesystem::path>& inputs);

@@ -9,7 +9,6 @@
 #include <array>
 #include <cstdint>
 #include <ctime>
-#include <fstream>
 #include <map>
 #include <mutex>
 #include <nlohmann/json.hpp>
@@ -188,6 +187,16 @@ bool are_unchanged_and_of(const std::vector<fs::path>& outputs, const std::vecto
   });
 }
 
+bool is_made_of_another(const fs::path& output, const fs::path& input) {
+  const Json meta = provenance_beside(output);
+  if (!meta.is_object() || !meta.contains("inputs") || !meta["inputs"].is_array()) return false;
+  return std::any_of(meta["inputs"].begin(), meta["inputs"].end(), [&](const Json& named) {
+    return named.is_object() && named.contains("path") && named["path"].is_string() &&
+           fs::path(named["path"].get<std::string>()).filename() == input.filename() && !sum_in(named).empty() &&
+           sum_in(named) != sha256_of_file(input);
+  });
+}
+
 std::string sha256_of_file(const fs::path& path) {
   const std::optional<Content> content = content_of(path);
   if (!content) return computed_sha256(path);
@@ -255,9 +264,7 @@ void commit_with_provenance(OutputFile& file, const fs::path& output, const std:
   if (is_stream(output)) return file.commit();
   const fs::path path = provenance_path(output);
   OutputFile beside(path, true);
-  std::ofstream out(beside.temporary_path(), std::ios::binary | std::ios::trunc);
-  out << provenance;
-  close_written(out, path);
+  beside.write(provenance);
   file.commit();  // both are written: what is left are two changes of names
   beside.commit();
 }

@@ -44,6 +44,10 @@ std::string sha256_of(const std::string& text);
 bool are_unchanged_and_of(const std::vector<std::filesystem::path>& outputs,
                           const std::vector<std::filesystem::path>& inputs);
 
+/// Does the provenance of an output say that it was made of another content of this file, by its name?
+/// @throws FileError where a provenance is none
+bool is_made_of_another(const std::filesystem::path& output, const std::filesystem::path& input);
+
 /// What is told of an output: command line, version, commit, seed, inputs with their SHA-256, and all parameters as
 /// resolved. Made before the output gets its name, so that an input that cannot be read again leaves no output behind.
 /// @param sha256  of the output, where it is known. @throws FileError, Interrupted

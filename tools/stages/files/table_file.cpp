@@ -63,34 +63,29 @@ void write_table(const Run& run, const fs::path& path, const Table& table, const
   writer.finish(inputs);
 }
 
-TableWriter::TableWriter(const Run& run, const fs::path& path)
-    : run_(run),
-      path_(path),
-      file_(path, run.common.force),
-      out_(file_.temporary_path(), std::ios::binary | std::ios::trunc) {
+TableWriter::TableWriter(const Run& run, const fs::path& path) : run_(run), path_(path), file_(path, run.common.force) {
   refuse_hdf5(path);
 }
 
 void TableWriter::add(std::size_t k, const Table& rows) {
+  std::ostringstream out;
+  write_piece(out, is_json_lines(path_), k, rows);
+  const std::string text = out.str();
   if (k != next_) {
-    std::ostringstream out;
-    write_piece(out, is_json_lines(path_), k, rows);
-    const std::string text = out.str();
     if (!scratch_) scratch_.emplace(file_.temporary_path().parent_path(), path_.string());
     waiting_[k] = {scratch_->append(text), text.size()};
     return;
   }
-  write_piece(out_, is_json_lines(path_), k, rows);
+  file_.write(text);
   ++next_;
   for (auto first = waiting_.begin(); first != waiting_.end() && first->first == next_; first = waiting_.erase(first)) {
-    out_ << scratch_->at(first->second.first, first->second.n);
+    file_.write(scratch_->at(first->second.first, first->second.n));
     ++next_;
   }
 }
 
 void TableWriter::finish(const std::vector<fs::path>& inputs) {
   throw_if_stop_requested();
-  close_written(out_, path_);
   const std::string origin = provenance(run_, inputs, sha256_of_file(file_.temporary_path()));
   commit_with_provenance(file_, path_, origin);
 }
@@ -99,9 +94,7 @@ void write_text(const Run& run, const fs::path& path, const std::string& content
   throw_if_stop_requested();
   const std::string origin = provenance(run, inputs, sha256_of(content));
   OutputFile file(path, run.common.force);
-  std::ofstream out(file.temporary_path(), std::ios::binary | std::ios::trunc);
-  out.write(content.data(), static_cast<std::streamsize>(content.size()));
-  close_written(out, path);
+  file.write(content);
   commit_with_provenance(file, path, origin);
 }
 
@@ -122,9 +115,6 @@ OutputFolder::~OutputFolder() {
   if (created_) fs::remove(folder_, not_empty);
 }
 
-namespace {
-
-/// Files that options name to be read, by themselves or behind a word (table:law.csv).
 std::vector<fs::path> files_named_by_options(const Run& run) {
   std::vector<fs::path> files;
   std::error_code none;
@@ -138,6 +128,8 @@ std::vector<fs::path> files_named_by_options(const Run& run) {
   for (const loop::SweepAxis& axis : run.sweep) add(axis.values);
   return files;
 }
+
+namespace {
 
 /// A provenance is written where there is none or one of ours, and not to where a link leads.
 void check_provenance_path(const fs::path& path, bool force) {

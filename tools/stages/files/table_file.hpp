@@ -54,7 +54,6 @@ class TableWriter {
   const Run& run_;
   std::filesystem::path path_;
   OutputFile file_;
-  std::ofstream out_;
   std::size_t next_ = 0;  // piece that comes next in the file
   std::map<std::size_t, Place> waiting_;
   std::optional<ScratchFile> scratch_;  // those that wait
@@ -79,6 +78,9 @@ class OutputFolder {
   bool created_ = false;
   std::optional<FolderLock> lock_;
 };
+
+/// Files that options name to be read, by themselves or behind a word (table:law.csv).
+std::vector<std::filesystem::path> files_named_by_options(const Run& run);
 
 /// Each command calls it before its work with all its files, those that are read (the configuration file is known) and
 /// those that are written (their provenance is known): bouncelab::check_files.

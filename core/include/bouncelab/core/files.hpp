@@ -69,6 +69,8 @@ class OutputFile {
   /// Where to write until commit(); on the same file system, with the same extension (if it has at most 16 bytes). The
   /// file exists, is empty, and is to be written to, not replaced.
   const std::filesystem::path& temporary_path() const;
+  /// Behind what was written by this before. @throws FileError saying why not, Interrupted
+  void write(std::string_view bytes);
   /// Puts the file in its place. @throws FileError; FileExists where another process made it meanwhile
   void commit();
 

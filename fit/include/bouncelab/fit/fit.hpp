@@ -41,6 +41,7 @@ struct FitConfig {
   BudgetConfig budget;                  ///< where the samples say nothing of themselves (budget_config_of)
   std::optional<double> dem_speed_mps;  ///< absent: the middle node
   bool compare_recordings = true;       ///< fill FitResult::recordings where there are several
+  bool pool = false;                    ///< one answer for all, whether recordings and drops agree or not
   int n_threads = 0;                    ///< 0: all cores; the result does not depend on it
 };
 
@@ -58,6 +59,9 @@ struct FitResult {
   std::vector<HistogramFit> histograms;
   DensityPicture density;
   Recordings recordings;
+  std::optional<KindsOfDrops> kinds_of_drops;  ///< where there are two
+  /// One value stands for all samples: recordings and drops are seen to agree, or are to be pooled.
+  bool is_one_ball = true;
   ErrorBudget budget;
   std::optional<DemExport> dem_export;
   std::size_t n_used = 0;

@@ -69,4 +69,18 @@ Recordings compare_recordings(const RestitutionSamples& samples, const LawFitCon
 /// p < 0.01: they do not follow one curve.
 bool disagree(const Recordings& recordings);
 
+/// Drops that are of two balls, or on two floors.
+struct KindsOfDrops {
+  std::size_t n_lower = 0, n_upper = 0;
+  double eps_lower = 0.0, eps_upper = 0.0;  ///< medians of their samples
+};
+const Description& members_of(const KindsOfDrops*);
+
+/// Drops fall into two kinds where, at one speed, their medians of eps do: into two groups of at least two drops, each
+/// narrower than a third of the gap between them, which is more than three times the scatter about the medians and more
+/// than a tenth of 1 - eps. Drops of one ball on one floor differ by less than single impacts do; what differs by less
+/// is in the errors by drop.
+/// @param samples  finite, v > 0
+std::optional<KindsOfDrops> two_kinds_of_drops(const RestitutionSamples& samples);
+
 }  // namespace bouncelab::fit

@@ -90,9 +90,8 @@ void withhold_answer(const std::string& why, FitInWords& words);
 
 /// @param samples  all that were given to the fit, in any order, also those that it left out
 /// @param memory   as the fit was asked for: a fit with memory that does not hold is worth a warning where it was
-/// @param pool     one answer for all recordings; else only where they are seen to agree
 FitInWords in_words(const fit::FitResult& result, const RestitutionSamples& samples,
-                    fit::UseMemory memory = fit::UseMemory::where_long, bool pool = false);
+                    fit::UseMemory memory = fit::UseMemory::where_long);
 
 /// The first of the warnings that the answer does not say itself, as a sentence, becomes the answer's doubt.
 void choose_doubt(const std::vector<std::string>& warnings, FitInWords& words);
