@@ -257,6 +257,8 @@ const std::vector<NodeEstimate>& quoted_nodes(const FitResult& result) {
 }
 
 const std::vector<CurvePoint>& quoted_curve(const FitResult& result) {
+  static const std::vector<CurvePoint> none;
+  if (!result.is_one_ball) return none;
   if (memory_holds(result)) return result.memory->curve;
   return result.averaged && !result.averaged->curve.empty() ? result.averaged->curve : result.law.curve;
 }

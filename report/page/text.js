@@ -52,7 +52,7 @@ function interval(range) {
   return `${range[0].toFixed(decimals)} … ${range[1].toFixed(decimals)}`;
 }
 /// ε(v) that the answer is of: with memory where that holds, else the average over laws where there is one, else the law.
-const answerCurve = fit => !fit ? [] : fit.memory?.holds ? fit.memory.curve : fit.averaged?.curve?.length ? fit.averaged.curve : fit.law?.curve ?? [];
+const answerCurve = fit => !fit || fit.is_one_ball === false ? [] : fit.memory?.holds ? fit.memory.curve : fit.averaged?.curve?.length ? fit.averaged.curve : fit.law?.curve ?? [];
 const speed = v => `${number(v, 3)} m/s`;
 
 /// Below 600 px report.css shows a table that is wider than its place row by row: each cell names its column and is as

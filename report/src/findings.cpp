@@ -197,14 +197,17 @@ std::string in_dem(const FitResult& r) {
 
 std::vector<Finding> findings_of(const FitResult& result) {
   if (!usable(result)) return {};
-  std::vector<Finding> findings{{"How does ε depend on speed?", dependence(result)},
-                                {"How sure is that?", certainty(result)},
-                                {"What limits it?", limits(result)},
-                                {"Is the scatter Gaussian?", gaussian(result.histograms)},
-                                {"How do I use it in a DEM code?", in_dem(result)}};
+  std::vector<Finding> findings;
+  if (result.is_one_ball)
+    findings = {{"How does ε depend on speed?", dependence(result)},
+                {"How sure is that?", certainty(result)},
+                {"What limits it?", limits(result)},
+                {"Is the scatter Gaussian?", gaussian(result.histograms)}};
+  findings.push_back({"How do I use it in a DEM code?", in_dem(result)});
   if (std::string agreement = in_words(result.recordings); !agreement.empty())
-    findings.insert(findings.begin() + 1, {"Do the recordings agree?", sentence(agreement)});
-  if (result.memory) findings.insert(findings.end() - 1, {"Do the fluctuations remember?", remembers(result)});
+    findings.insert(findings.begin() + (result.is_one_ball ? 1 : 0), {"Do the recordings agree?", sentence(agreement)});
+  if (result.memory && result.is_one_ball)
+    findings.insert(findings.end() - 1, {"Do the fluctuations remember?", remembers(result)});
   return findings;
 }
 

@@ -138,7 +138,8 @@ std::string of_value(const PlainAnswer& answer, const FitResult& result) {
   const SpeedAndRestitution& at = *answer.at;
   std::string text = "ε = " + with_interval(at.eps) + " at " + speed(at.v_mps);
   const auto& nodes = quoted_nodes(result);
-  if (answer.elsewhere.empty() && nodes.size() > 1 && !(result.averaged && result.averaged->step))
+  if (answer.elsewhere.empty() && speed(nodes.front().v_mps) != speed(nodes.back().v_mps) &&
+      !(result.averaged && result.averaged->step))
     text += "; from " + speed(nodes.front().v_mps) + " to " + speed(nodes.back().v_mps) +
             " no change with the speed is seen";
   std::string verb = "; it ";

@@ -113,7 +113,8 @@ void warn_of_samples(const RestitutionSamples& used, std::vector<std::string>& w
   const double implausible = count([](const auto& s) { return s.v_mps > 20.0 || s.v_mps < 0.005; });
   if (implausible > 0.1 * n)
     warnings.push_back(
-        formatted("%.0f of %.0f speeds are outside 0.005 to 20 m/s: are the times in seconds?", implausible, n));
+        formatted("%.0f of %.0f speeds are outside 0.005 to 20 m/s: are times in seconds, and gravity in m/s^2?",
+                  implausible, n));
 }
 
 void warn_of_unstated_errors(const RestitutionSamples& used, std::vector<std::string>& warnings) {
@@ -151,8 +152,23 @@ void warn_of_mixed_conditions(const RestitutionSamples& used, std::vector<std::s
                   n));
 }
 
+void warn_of_repeated_drops(const RestitutionSamples& used, std::vector<std::string>& warnings) {
+  const std::vector<RepeatedDrop> repeated = repeated_drops(used);
+  if (repeated.empty()) return;
+  const auto name = [](const std::string& recording, std::int64_t drop) {
+    return "drop " + std::to_string(drop) + (recording.empty() ? "" : " of " + printable(recording));
+  };
+  const RepeatedDrop& first = repeated.front();
+  warnings.push_back(
+      name(first.recording, first.drop) + " has the bounces of " + name(first.of_recording, first.of_drop) +
+      formatted(" (%zu of them)", first.n_bounces) +
+      (repeated.size() > 1 ? formatted(", and so have %zu more drops of others", repeated.size() - 1) : "") +
+      ": the same drop twice? Leave the copies out, or the errors are too small");
+}
+
 /// Of the samples alone, whatever is fitted to them.
 void warn_of_all_samples(const RestitutionSamples& used, const LeftOut& left_out, std::vector<std::string>& warnings) {
+  warn_of_repeated_drops(used, warnings);
   warn_of_samples(used, warnings);
   warn_of_rows_left_out(left_out, warnings);
   warn_of_mixed_conditions(used, warnings);

@@ -190,5 +190,22 @@ TEST_F(BallOption, WhoseContactsWouldBeMostOfTheBouncesLeavesTheRowsOut) {
   EXPECT_NEAR(n, 58 - 18, 1);
 }
 
+TEST_F(BallOption, AProvenanceThatWasEditedIsRefusedWhereItIsWrong) {
+  ASSERT_EQ(run("simulate --drops 2 --impacts 9 --asperities 99 --out i.csv").exit_code, 0);
+  const std::string meta = content_of(folder_ / "i.csv.meta.json");
+  const auto edited = [&](const std::string& was, const std::string& is) {
+    std::string text = meta;
+    text.replace(text.find(was), was.size(), is);
+    write("i.csv.meta.json", text);
+    return run("restitution i.csv --out s.csv --force");
+  };
+  for (const char* gravity : {"1,62", "1e300", "-5", "nan", "fast"})
+    expect_one_line_error(edited("\"gravity\": \"9.81\"", "\"gravity\": \"" + std::string(gravity) + "\""), 3,
+                          {"i.csv", "--gravity", ".meta.json"});
+  expect_one_line_error(edited("\"ball\": \"steel:6mm\"", "\"ball\": \"cheese:6mm\""), 3,
+                        {"i.csv", "--ball", "cheese"});
+  EXPECT_EQ(edited("\"gravity\": \"9.81\"", "\"gravity\": \"1.62\"").exit_code, 0);
+}
+
 }  // namespace
 }  // namespace bouncelab::cli_test

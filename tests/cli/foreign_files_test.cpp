@@ -281,6 +281,19 @@ TEST_F(ForeignFiles, DropsOfTwoBallsInOneTableAreToldApart) {
   EXPECT_THAT(run("analyze one.csv").out, HasSubstr("ε = 0.80"));
 }
 
+TEST_F(ForeignFiles, ATableMayComeThroughAPipe) {
+  write("i.csv", "interval_ms\n600\n540\n486\n437.4\n393.7\n354.3\n");
+  const std::string answer = run("analyze i.csv --out file").out;
+  EXPECT_THAT(answer, HasSubstr("ε = 0.9"));
+  const Result piped = shell("cat i.csv | \"$B\" analyze - --out piped");
+  EXPECT_EQ(piped.exit_code, 0) << piped.err;
+  const auto first_line = [](const std::string& text) { return text.substr(0, text.find('\n')); };
+  EXPECT_EQ(first_line(piped.out), first_line(answer));
+  ASSERT_EQ(shell("cat i.csv | \"$B\" restitution /dev/stdin --out s.csv").exit_code, 0);
+  ASSERT_EQ(run("restitution i.csv --out t.csv").exit_code, 0);
+  EXPECT_EQ(content_of(folder_ / "s.csv"), content_of(folder_ / "t.csv"));
+}
+
 TEST_F(ForeignFiles, UnitsInTitlesAreThoseOfTheNumbers) {
   const auto taken_for = [&](const std::string& title, double unit_s) {
     std::string text = title + "\n";
@@ -298,6 +311,43 @@ TEST_F(ForeignFiles, UnitsInTitlesAreThoseOfTheNumbers) {
     write("v.csv", std::string(title) + ",eps\n80,0.8\n64,0.8\n51,0.8\n41,0.8\n");
     EXPECT_THAT(run("fit v.csv --out f.json --force").out, HasSubstr(std::string("speeds in ") + unit)) << title;
   }
+}
+
+TEST_F(ForeignFiles, WhatIsNeitherTimeNorIntervalIsTakenForNone) {
+  const std::string falling = "0.5\n0.361\n0.261\n0.189\n0.136\n";
+  for (const char* title :
+       {"height (m)", "energy (J)", "Peak amplitude (V)", "speed (m/s)", "e", "temperature (degC)"}) {
+    write("h.csv", std::string(title) + "\n" + falling);
+    expect_one_line_error(run("analyze h.csv"), 3, {"h.csv", "no column of times or intervals", "--columns"});
+  }
+  write("b.csv", "bounce,speed (m/s)\n0,3.13\n1,2.66\n2,2.26\n3,1.92\n4,1.63\n");
+  expect_one_line_error(run("analyze b.csv"), 3, {"b.csv", "no column of times or intervals"});
+  write("gap.csv", "n,time (s)\n0,0.5\n1,1.0\n2,-\n3,1.355\n4,1.6\n");
+  expect_one_line_error(run("analyze gap.csv"), 3, {"gap.csv", "line 4", "'-' is no number"});
+  write("end.csv", "n,time (s)\n0,0.5\n1,1.0\n2,1.355\n3,1.6\n4,\n");  // the last was not heard
+  EXPECT_EQ(run("analyze end.csv --out end").exit_code, 0);
+}
+
+TEST_F(ForeignFiles, SpeedsInOtherUnitsAndSquaresOfTheCoefficientAreRefused) {
+  for (const auto& [titles, words] : {std::pair{"speed (mph),e", "unit that is not known"},
+                                      {"v (ft/s),e", "unit that is not known"},
+                                      {"v (m/s),e^2", "is a square"},
+                                      {"v (m/s),e\xC2\xB2", "is a square"}}) {
+    write("v.csv", std::string(titles) + "\n2,0.8\n1.6,0.8\n1.3,0.8\n1,0.8\n");
+    expect_one_line_error(run("fit v.csv --out f.json"), 3, {"v.csv", words});
+  }
+}
+
+TEST_F(ForeignFiles, TheSameDropTwiceIsSaid) {
+  const double scatter[] = {0.85, 0.846, 0.853, 0.849, 0.855, 0.844, 0.851, 0.848};
+  for (const int shift_s : {0, 3}) {
+    std::string text = "t_s\n";
+    double t_s = shift_s, interval_s = 0.5;
+    for (const double eps : scatter) text += std::to_string(t_s) + "\n", t_s += interval_s, interval_s *= eps;
+    write("c" + std::to_string(shift_s) + ".csv", text);
+  }
+  EXPECT_THAT(run("analyze c0.csv c3.csv --out both").out, HasSubstr("the same drop twice?"));
+  EXPECT_THAT(run("analyze c0.csv --out one").out, Not(HasSubstr("twice")));
 }
 
 }  // namespace

@@ -142,8 +142,13 @@ TEST_F(Synthesize, APositionOffThePlateIsNamed) {
 TEST_F(Synthesize, EachDropFindsAllNamesFreeBeforeItWritesTheFirst) {
   write_drops("i.csv", 4);
   write("each.0002.wav", "mine");
-  expect_refused("i.csv --each-drop --out each.wav --rate 8000 --max-mode 2000", 3,
-                 {"each.0002.wav", "exists already"});
+  const std::string options = " --each-drop --rate 8000 --max-mode 2000 ";
+  expect_refused("i.csv --out each.wav" + options, 3, {"each.0002.wav", "exists already"});
+  write_drops("q.0001.wav", 4);
+  expect_refused("q.0001.wav --out q.wav --force" + options, 2, {"q.0001.wav", "is the input"});
+  expect_refused("i.csv --out r.wav --truth r.0000.wav --force" + options, 2, {"r.0000.wav", "same file"});
+  write("s.0001.wav", "rate = 8000\n");
+  expect_refused("i.csv --out s.wav --config s.0001.wav --force --each-drop", 2, {"s.0001.wav", "is the input"});
 }
 
 }  // namespace

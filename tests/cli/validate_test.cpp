@@ -130,6 +130,10 @@ TEST_F(ValidateCommand, LosesOneRecordingToADetectorThatFails) {
   EXPECT_THAT(line_of("'echo {wav}'"), HasSubstr("is no time in seconds"));
   EXPECT_THAT(line_of("'sh -c \"echo 0,5\" {wav}'"), HasSubstr("is no time in seconds"));
   EXPECT_THAT(line_of("'sh -c \"echo 1e9\" {wav}'"), HasSubstr("1e+09 s is no time of a recording"));
+  write("pipe.sh", "rm -f \"$2\"; mkfifo \"$2\"\n");
+  write("huge.sh", "truncate -s 100G \"$2\"\n");
+  for (const char* script : {"pipe.sh", "huge.sh"})
+    EXPECT_THAT(line_of(std::string("'sh ") + script + " {wav} {out}'"), HasSubstr("{out} is no file"));
 }
 
 TEST_F(ValidateCommand, GivesAFailedDetectorNeitherSpeedNorSilenceAndEndsWhatItStarted) {

@@ -155,5 +155,11 @@ TEST(Ball, ContactIsHertzsWhereHeHoldsElseAsMeasured) {
   EXPECT_EQ(contact_duration(ball_from_text("table-tennis,contact-time=0.8ms"), kGlass)->at(2.0), 0.8e-3);
 }
 
+TEST(BallText, SizesAndDensitiesInOtherUnitsAreRefusedWithTheirRange) {
+  for (const char* text : {"steel:10mm,density=7.9", "steel:10m", "steel:r=10m"})
+    EXPECT_THROW(ball_from_text(text), InvalidArgument) << text;
+  EXPECT_NO_THROW(ball_from_text("diameter=40cm,mass=100g,E=1MPa,nu=0.3"));  // blown up: 3 kg/m^3
+}
+
 }  // namespace
 }  // namespace bouncelab

@@ -186,5 +186,32 @@ TEST(KindsOfDrops, OneBallFromTwoHeightsIsOfOneKindThoughNothingScatters) {
   }
 }
 
+TEST(RepeatedDrops, AreThoseThatAreCopiesAndNoOthers) {
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    bouncelab::testing::SyntheticRun run;
+    run.n_drops = 60;
+    run.n_impacts = 8 + 10 * static_cast<std::size_t>(seed % 3);
+    run.timing_sigma_s = 3e-6;
+    run.seed = seed;
+    RestitutionSamples samples = restitution_samples(bouncelab::testing::synthetic_onsets(run), {}).samples;
+    EXPECT_TRUE(repeated_drops(samples).empty()) << seed;
+    // a copy whose beginning was cut off, at another rate: times are off by some us
+    Random random(seed, RandomStream::test, 2);
+    RestitutionSamples copy;
+    for (const RestitutionSample& s : samples)
+      if (s.drop == 7 && s.impact > 1) copy.push_back(s);
+    for (RestitutionSample& s : copy) {
+      s.recording = "copy.mp3";
+      s.drop = 0;
+      s.eps += 1e-6 * random.normal();
+    }
+    samples.insert(samples.end(), copy.begin(), copy.end());
+    const auto repeated = repeated_drops(samples);
+    ASSERT_EQ(repeated.size(), 1u) << seed;
+    EXPECT_EQ(repeated[0].recording, "copy.mp3");
+    EXPECT_EQ(repeated[0].of_drop, 7);
+  }
+}
+
 }  // namespace
 }  // namespace bouncelab::fit

@@ -237,8 +237,7 @@ std::string text_of(const RestitutionSamples& samples) {
   return text.str();
 }
 
-void expect_the_same_in_pieces(const RestitutionConfig& config) {
-  const Onsets onsets = many_onsets();
+void expect_the_same_in_pieces(const RestitutionConfig& config, const Onsets& onsets = many_onsets()) {
   const Restitution whole = restitution_samples(onsets, config);
   ASSERT_GT(whole.samples.size(), 100U);
   for (const std::size_t piece : {1U, 13U, 1000U}) {
@@ -266,11 +265,13 @@ TEST(RestitutionInPieces, GivesTheSameSamplesAndCountsHoweverTheOnsetsAreCut) {
   corrected.ball = ball_from_text("steel:6mm");
   corrected.plate = plate_from_text("glass");
   expect_the_same_in_pieces(corrected);
-  TravelTime travel{2500.0, 0.1, 0.05, {}};
-  for (const Onset& onset : many_onsets())
+  TravelTime travel{2500.0, 0.1, 0.05, {}};  // of one recording
+  Onsets onsets = many_onsets();
+  std::erase_if(onsets, [](const Onset& onset) { return onset.recording != "b.wav"; });
+  for (const Onset& onset : onsets)
     travel.position_m[{onset.drop, onset.impact}] = {1e-3 * static_cast<double>(onset.impact), 0.0};
   corrected.travel_time = travel;
-  expect_the_same_in_pieces(corrected);
+  expect_the_same_in_pieces(corrected, onsets);
 }
 
 RestitutionSample sample(const std::string& recording, std::int64_t drop, std::int64_t impact, double v_mps) {

@@ -217,8 +217,6 @@ int run_and_report(const std::vector<std::string>& line) {
     return run(line, json);
   } catch (const Interrupted& error) {
     return fail("bouncelab: " + std::string(error.what()), kInterrupted, json);
-  } catch (const BrokenPipe&) {
-    end_by_broken_pipe();
   } catch (const WrongUsage& error) {
     return fail(error.what(), kWrongUsage, json);
   } catch (const FileExists& error) {

@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "bouncelab/core/error.hpp"
+#include "bouncelab/core/foreign_table.hpp"
 #include "bouncelab/core/table.hpp"
 #include "bouncelab/core/text.hpp"
 #include "stages/files/provenance.hpp"
@@ -50,9 +51,27 @@ void keep_conditions_of(const std::string& impacts, Parameters& parameters) {
     if (const auto value = parameter_in_provenance(impacts, option)) parameters.push_back({option, {*value}});
 }
 
+namespace {
+
+[[noreturn]] void refuse_history(const std::string& file, const std::string& option, const std::string& why) {
+  throw FileError(file, "its --" + option + ", as a provenance (.meta.json) in its history has it, cannot be taken: " +
+                            why + "; say what it is with --" + option);
+}
+
+}  // namespace
+
 BallChoice with_provenance(BallChoice choice, const std::vector<std::string>& files) {
-  if (choice.ball.empty()) choice.ball = common_parameter(files, "ball", "ball");
-  if (choice.plate.empty()) choice.plate = common_parameter(files, "plate", "plate");
+  const auto take = [&](std::string& value, const std::string& option, const auto& read) {
+    if (!value.empty()) return;
+    value = common_parameter(files, option, option);
+    try {
+      read(choice);
+    } catch (const InvalidArgument& error) {
+      refuse_history(files.front(), option, error.what());
+    }
+  };
+  take(choice.ball, "ball", [](const BallChoice& c) { ball_of(c); });
+  take(choice.plate, "plate", [](const BallChoice& c) { plate_of(c); });
   return choice;
 }
 
@@ -66,9 +85,12 @@ RestitutionOptions with_conditions_of(const std::vector<std::string>& files, Res
   }
   if (given.contains("gravity")) return options;
   const std::string text = common_parameter(files, "gravity", "gravity");
-  double gravity_mps2 = 0.0;
-  const auto [end, status] = from_chars(text.data(), text.data() + text.size(), gravity_mps2);
-  if (status == std::errc{} && gravity_mps2 > 0.0) options.config.gravity_mps2 = gravity_mps2;
+  if (text.empty()) return options;
+  const auto known = number_of(text, '.');
+  constexpr double kMost_mps2 = 1000.0;
+  if (!known || !(known->value > 0.0 && known->value <= kMost_mps2))
+    refuse_history(files.front(), "gravity", "'" + printable(text) + "' is no acceleration");
+  options.config.gravity_mps2 = known->value;
   return options;
 }
 

@@ -235,6 +235,16 @@ synthesis::SynthesisResult make_sound(const SynthesizeOptions& options, const sy
   }
 }
 
+/// Those that --each-drop makes, known before any is made.
+std::vector<std::filesystem::path> recordings_of_drops(const SynthesizeOptions& options) {
+  std::vector<std::filesystem::path> recordings;
+  const synthesis::DropSource drops = impact_file(options.impacts);
+  Impacts drop;
+  for (std::int64_t k = 0; drops(k, drop); ++k)
+    recordings.push_back(synthesis::path_of_drop(options.out, drop.rows.front().drop));
+  return recordings;
+}
+
 /// One recording for each drop.
 synthesis::SynthesisResult each_drop(const SynthesizeOptions& options, const synthesis::SynthesisConfig& config,
                                      TruthFiles& truth, const Run& run) {
@@ -277,10 +287,11 @@ Outcome run_synthesize(const SynthesizeOptions& options, const Run& run) {
                           std::string(options.each_drop ? "--each-drop" : "a stream"));
   const std::filesystem::path truth =
       options.truth.empty() ? beside(out, ".truth.csv") : std::filesystem::path(options.truth);
-  check_files(
-      run, {options.impacts},
-      options.each_drop ? std::vector<std::filesystem::path>{truth} : std::vector<std::filesystem::path>{out, truth},
-      {others_path(out, truth)});
+  std::vector<std::filesystem::path> outputs{out}, others;
+  if (options.each_drop) outputs = recordings_of_drops(options);
+  for (const std::filesystem::path& recording : outputs) others.push_back(others_path(recording, truth));
+  outputs.push_back(truth);
+  check_files(run, {options.impacts}, outputs, others);
   TruthFiles files(run, truth, options.impacts);
   const synthesis::SynthesisResult result =
       options.each_drop ? each_drop(options, config, files, run) : make_sound(options, config, files, run);

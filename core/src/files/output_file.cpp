@@ -68,7 +68,7 @@ void copy_to_stream(const FileTarget& target, int from, const std::string& name)
     if (n < 0) throw FileError(name, "its temporary file cannot be read: " + std::string(std::strerror(errno)));
     if (n == 0) return;
     const int error = write_all(to, buffer.data(), static_cast<std::size_t>(n));
-    if (error == EPIPE) throw BrokenPipe(name);
+    if (error == EPIPE) return;  // a reader that has enough (`| head`)
     if (error != 0) throw FileError(name, why_writing_failed(error));
     at += n;
   }

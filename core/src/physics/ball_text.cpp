@@ -34,10 +34,10 @@ struct Quantity {
   const char* range;
 };
 const std::vector<Quantity> kQuantities{
-    {"diameter", &kLengths, 2e-6, 20.0, "from 2 um to 20 m, such as 6mm"},
-    {"radius", &kLengths, 1e-6, 10.0, "from 1 um to 10 m, such as 3mm"},
+    {"diameter", &kLengths, 2e-6, 2.0, "from 2 um to 2 m, such as 6mm"},
+    {"radius", &kLengths, 1e-6, 1.0, "from 1 um to 1 m, such as 3mm"},
     {"mass", &kMasses, 1e-12, 1e6, "from 1e-6 mg to 1e6 kg, such as 2.7g"},
-    {"density", &kNone, 1.0, 3e4, "from 1 to 30000, in kg/m^3, such as 7900"},
+    {"density", &kNone, 10.0, 3e4, "from 10 to 30000, in kg/m^3, such as 7900 (of 7.9 g/cm^3)"},
     {"E", &kPressures, 1e3, 2e12, "from 1 kPa to 2000 GPa, such as 200GPa"},
     {"nu", &kNone, 0.0, 0.4999, "from 0 to 0.4999"},
     {"inertia", &kNone, 1e-3, 1.0, "from 0.001 to 1: J over m R^2, 0.4 of a solid sphere, 0.667 of a thin shell"},
@@ -243,13 +243,13 @@ Ball ball_from_text(const std::string& text) {
   ball.radius_m = *radius_m;
   if (density != nullptr) ball.material.density_kgpm3 = *density;
   if (mass != nullptr) ball.material.density_kgpm3 = *mass / (4.0 / 3.0 * kPi * *radius_m * *radius_m * *radius_m);
-  const Quantity& range = kQuantities[3];
-  if (!(ball.material.density_kgpm3 >= range.least && ball.material.density_kgpm3 <= range.greatest))
+  constexpr double kLeast_kgpm3 = 1.0, kGreatest_kgpm3 = 3e4;  // a ball that is blown up is as light as air
+  if (!(ball.material.density_kgpm3 >= kLeast_kgpm3 && ball.material.density_kgpm3 <= kGreatest_kgpm3))
     refuse(kBall, text,
            ball.material.density_kgpm3 == 0.0
                ? "mass= or density= is missing"
                : "mass and size make a density of " + formatted_g(ball.material.density_kgpm3, "kg/m^3") +
-                     "; it must be " + range.range);
+                     "; it must be from 1 to 30000");
   set_elastic(kBall, text, numbers, ball.material);
   if (const double* inertia = find(numbers, "inertia")) ball.inertia_factor = *inertia;
   if (const double* time = find(numbers, "contact-time")) ball.contact_time_s = *time;

@@ -136,14 +136,39 @@ struct Sequence {
 };
 
 bool says_interval(std::string_view title) { return has_word(title, kIntervalWords); }
-bool says_time(std::string_view title) {
-  return !says_interval(title) && (is_time_title(title) || has_word(title, kMarkWords));
-}
-/// "Height 1 (m)", "Energy 1": something else.
+/// "Height 1 (m)", "Energy 1", "speed (m/s)": something else.
 bool says_other(std::string_view title) {
-  constexpr std::array<std::string_view, 12> kOther{"height", "h",  "energy", "m", "cm", "j",
-                                                    "mm",     "hz", "x",      "y", "v",  "hoehe"};
-  return !says_time(title) && !says_interval(title) && has_word(title, kOther);
+  constexpr std::array<std::string_view, 27> kOther{"height",
+                                                    "h",
+                                                    "hoehe",
+                                                    "energy",
+                                                    "m",
+                                                    "cm",
+                                                    "j",
+                                                    "mm",
+                                                    "hz",
+                                                    "x",
+                                                    "y",
+                                                    "v",
+                                                    "speed",
+                                                    "e",
+                                                    "velocity",
+                                                    "eps",
+                                                    "cor",
+                                                    "restitution",
+                                                    "vitesse",
+                                                    "velocidad",
+                                                    "temperature",
+                                                    "displacement",
+                                                    "distance",
+                                                    "amplitude",
+                                                    "acceleration",
+                                                    "geschwindigkeit",
+                                                    "epsilon"};
+  return !names_time(title) && !says_interval(title) && has_word(title, kOther);
+}
+bool says_time(std::string_view title) {
+  return !says_interval(title) && !says_other(title) && (is_time_title(title) || has_word(title, kMarkWords));
 }
 
 /// One drop in each row: "Start (s)", "Stop 1 (s)", "Stop 2 (s)" ..., or a single row of numbers.
@@ -204,7 +229,7 @@ std::size_t value_column(const ForeignTable& table, const ForeignOptions& option
     if (const auto k = first([&](std::size_t c) { return says_time(title(c)) && !counts(c); })) return *k;
   if (const auto k = first([&](std::size_t c) { return says_interval(title(c)); })) return *k;
   if (const auto k = first([&](std::size_t c) { return !counts(c) && !says_other(title(c)); })) return *k;
-  if (numeric.size() == 1) return numeric.front();
+  if (numeric.size() == 1 && !says_other(title(numeric.front()))) return numeric.front();
   throw FileError(
       name, "has no column of times or intervals (found: " + titles_in_words(table) + "); name it: --columns t=COLUMN");
 }
@@ -222,17 +247,21 @@ Sequence column_of_values(const ForeignTable& table, const ForeignOptions& optio
   sequence.has_series = drops.has_value();
   std::int64_t series = 0;
   std::string before;
+  const ForeignTable::Row* unknown = nullptr;  // of this series, behind a number
   for (const ForeignTable::Row& row : table.rows) {
     if (drops && row.cells[*drops] != before) {
       series += before.empty() ? 0 : 1;
       before = row.cells[*drops];
+      unknown = nullptr;
     }
-    const std::string& cell = row.cells[column];
-    if (const auto& number = row.numbers[column])
-      sequence.values.push_back({number->value, number->rounding, number->is_clock, row.line, series});
-    else if (!is_unknown(cell))  // without it the intervals around would be one
-      throw FileError(name, "line " + std::to_string(row.line) + ", " + column_name(table, column) + ": '" +
-                                printable(cell) + "' is no number; correct or remove the row");
+    const bool follows = !sequence.values.empty() && sequence.values.back().series == series;
+    const auto& number = row.numbers[column];
+    if (!number && (follows || !is_unknown(row.cells[column])) && !unknown) unknown = &row;
+    // without it the intervals around would be one; behind the last impact a cell may be empty
+    if (unknown && (number || !is_unknown(unknown->cells[column])))
+      throw FileError(name, "line " + std::to_string(unknown->line) + ", " + column_name(table, column) + ": '" +
+                                printable(unknown->cells[column]) + "' is no number; correct or remove the row");
+    if (number) sequence.values.push_back({number->value, number->rounding, number->is_clock, row.line, series});
   }
   return sequence;
 }
@@ -412,8 +441,8 @@ TakenTable onsets_from_foreign(const ForeignTable& foreign, const std::string& n
 
 namespace {
 
-/// m/s in one of the unit that a title names.
-double speed_unit_mps(const std::string& title) {
+/// m/s in one of the unit that a title names; absent: that of another.
+std::optional<double> speed_unit_mps(const std::string& title) {
   std::string text;
   for (const char c : title)
     if (c != ' ') text += c;
@@ -421,6 +450,8 @@ double speed_unit_mps(const std::string& title) {
   if (has("km/h") || has("kmh") || has("kmph")) return 1.0 / 3.6;
   if (has("mm/s") || has("mmps")) return 1e-3;
   if (has("cm/s") || has("cmps")) return 1e-2;
+  if (has("m/s") || has("mps")) return 1.0;
+  if (has("/") || has("mph") || has("kn")) return std::nullopt;
   return 1.0;
 }
 
@@ -451,7 +482,13 @@ TakenTable samples_from_foreign(const ForeignTable& foreign, const std::string& 
     throw FileError(name, "has no columns that are plainly speed and coefficient of restitution (found: " +
                               titles_in_words(foreign) + "); name them: --columns v=COLUMN,eps=COLUMN" +
                               "; impact times are for bouncelab restitution");
-  const double unit_mps = speed_unit_mps(title_of(foreign, *v));
+  const std::optional<double> unit = speed_unit_mps(title_of(foreign, *v));
+  if (!unit) throw FileError(name, column_name(foreign, *v) + " has a unit that is not known; give speeds in m/s");
+  const double unit_mps = *unit;
+  const std::string eps_title = title_of(foreign, *eps);
+  for (const std::string_view square : {"^2", "**2", "\xC2\xB2"})
+    if (eps_title.find(square) != std::string::npos)
+      throw FileError(name, column_name(foreign, *eps) + " is a square; give the coefficient of restitution itself");
   std::vector<double> speeds, values;
   std::vector<Found> speed_values, eps_values;
   ForeignTable used = foreign;

@@ -170,6 +170,8 @@ std::optional<double> time_unit_s(std::string_view title) {
   return std::nullopt;
 }
 
+bool names_time(std::string_view title) { return says_time(words_of(title)); }
+
 bool is_time_title(std::string_view title) { return says_time(words_of(title)) || time_unit_s(title).has_value(); }
 
 }  // namespace bouncelab

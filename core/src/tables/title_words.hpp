@@ -9,5 +9,7 @@ namespace bouncelab {
 
 /// The words of a title in small letters: letters, and whatever is not ASCII (the Greek mu).
 std::vector<std::string> words_of(std::string_view title);
+/// Is one of them time, in one of several languages?
+bool names_time(std::string_view title);
 
 }  // namespace bouncelab

@@ -15,6 +15,7 @@ namespace {
 
 constexpr std::size_t kFewestSamples = 3;    // of a drop whose median says something
 constexpr std::ptrdiff_t kFewestOfKind = 2;  // of each kind: one alone may have met something
+constexpr double kSdOverMad = 1.4826;        // of a normal
 constexpr double kFarApart = 3.0;            // gap over width of a group, and over scatter
 // gap over 1 - eps: over a factor 10 of speed between the kinds the curvature of v^(1/5) in ln v leaves a fourth of it
 constexpr double kBeyondCurvature = 0.1;
@@ -57,18 +58,23 @@ double slope_within(const std::vector<Drop>& drops) {
   return slopes.empty() ? 0.0 : median(std::move(slopes));
 }
 
-}  // namespace
-
-std::optional<KindsOfDrops> two_kinds_of_drops(const RestitutionSamples& samples) {
-  std::vector<Drop> drops = drops_of(samples);
+/// @param deviations  of all bounces from the median of their drop
+std::vector<Drop> at_one_speed(std::vector<Drop> drops, std::vector<double>& deviations) {
   const double slope = slope_within(drops);
-  std::vector<double> deviations;
   for (Drop& drop : drops) {
     std::vector<double> eps = drop.eps;
     for (std::size_t k = 0; k < eps.size(); ++k) eps[k] -= slope * drop.ln_v[k];
     drop.at_one_speed = median(eps);
     for (const double e : eps) deviations.push_back(std::abs(e - drop.at_one_speed));
   }
+  return drops;
+}
+
+}  // namespace
+
+std::optional<KindsOfDrops> two_kinds_of_drops(const RestitutionSamples& samples) {
+  std::vector<double> deviations;
+  std::vector<Drop> drops = at_one_speed(drops_of(samples), deviations);
   std::sort(drops.begin(), drops.end(), [](const Drop& a, const Drop& b) { return a.at_one_speed < b.at_one_speed; });
   const auto n = std::ssize(drops);
   std::ptrdiff_t below = 0;  // how many of them are in the lower group
@@ -78,7 +84,6 @@ std::optional<KindsOfDrops> two_kinds_of_drops(const RestitutionSamples& samples
   if (below == 0) return {};
   const double widest = std::max(drops[below - 1].at_one_speed - drops.front().at_one_speed,
                                  drops.back().at_one_speed - drops[below].at_one_speed);
-  constexpr double kSdOverMad = 1.4826;  // of a normal
   if (gap < kFarApart * std::max(widest, kSdOverMad * median(std::move(deviations)))) return {};
   if (gap < kBeyondCurvature * (1.0 - drops.front().at_one_speed)) return {};
   std::vector<double> lower, upper;
@@ -88,6 +93,52 @@ std::optional<KindsOfDrops> two_kinds_of_drops(const RestitutionSamples& samples
   }
   return KindsOfDrops{static_cast<std::size_t>(below), static_cast<std::size_t>(n - below), median(std::move(lower)),
                       median(std::move(upper))};
+}
+
+std::vector<RepeatedDrop> repeated_drops(const RestitutionSamples& samples) {
+  constexpr std::size_t kFewestBounces = 4;
+  constexpr double kAlike = 0.1;  // of the scatter
+  constexpr double kMostOfDrop = 0.8;
+  constexpr std::size_t kNeighbours = 50;  // looked at: where more have one speed it tells nothing
+  std::map<std::pair<std::string, std::int64_t>, std::size_t> numbers;
+  std::vector<std::size_t> drop_of, first_of, size_of;
+  for (std::size_t k = 0; k < samples.size(); ++k) {
+    const std::size_t d = numbers.try_emplace({samples[k].recording, samples[k].drop}, numbers.size()).first->second;
+    if (d == size_of.size()) {
+      first_of.push_back(k);
+      size_of.push_back(0);
+    }
+    drop_of.push_back(d);
+    ++size_of[d];
+  }
+  if (size_of.size() < 2) return {};
+  std::vector<double> deviations;
+  at_one_speed(drops_of(samples), deviations);
+  if (deviations.empty()) return {};
+  const double within = kAlike * kSdOverMad * median(std::move(deviations));
+  std::vector<std::size_t> order(samples.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::sort(order.begin(), order.end(),
+            [&](std::size_t a, std::size_t b) { return samples[a].v_mps < samples[b].v_mps; });
+  std::map<std::pair<std::size_t, std::size_t>, std::size_t> alike;
+  for (std::size_t i = 0; i < order.size(); ++i)
+    for (std::size_t j = i + 1; j < std::min(order.size(), i + 1 + kNeighbours); ++j) {
+      const RestitutionSample &a = samples[order[i]], &b = samples[order[j]];
+      if (b.v_mps - a.v_mps > within * a.v_mps) break;
+      const std::size_t first = drop_of[order[i]], second = drop_of[order[j]];
+      if (first != second && std::abs(a.eps - b.eps) <= within) ++alike[std::minmax(first, second)];
+    }
+  std::vector<RepeatedDrop> repeated;
+  std::vector<bool> is_told(size_of.size(), false);
+  for (const auto& [pair, n] : alike) {
+    const auto [of, drop] = pair;
+    const auto shorter = static_cast<double>(std::min(size_of[of], size_of[drop]));
+    if (is_told[drop] || n < kFewestBounces || static_cast<double>(n) < kMostOfDrop * shorter) continue;
+    is_told[drop] = true;
+    const RestitutionSample &here = samples[first_of[drop]], &there = samples[first_of[of]];
+    repeated.push_back({here.recording, there.recording, here.drop, there.drop, n});
+  }
+  return repeated;
 }
 
 }  // namespace bouncelab::fit

@@ -73,11 +73,16 @@ bool has_columns(const std::string& text, const std::vector<std::string>& names)
                      [&](const auto& name) { return std::find(titles.begin(), titles.end(), name) != titles.end(); });
 }
 
-/// What cannot be read twice, or is no text, is left to the reader of our tables.
-bool may_be_foreign(const fs::path& path) {
+/// A stream is one from here on: it is copied where it is read first.
+bool is_file(const fs::path& path) {
   std::error_code error;
+  const bool is_there = path == "-" || fs::exists(path, error);
+  return is_there && fs::is_regular_file(readable(path), error);
+}
+
+bool may_be_foreign(const fs::path& path) {
   refuse_hdf5(path);
-  return !is_json_lines(path) && fs::is_regular_file(path, error);
+  return !is_json_lines(path) && is_file(path);
 }
 
 /// Marks of a sound editor, with what is known of them beside labels of Audacity.
@@ -133,11 +138,10 @@ std::unique_ptr<TableReader> open_samples(const fs::path& path, const ForeignOpt
 }
 
 bool holds_times(const fs::path& path, bool has_rate) {
-  std::error_code error;
-  if (has_rate || !fs::is_regular_file(path, error)) return false;
+  if (has_rate || !is_file(path)) return false;
   if (is_json_lines(path)) return true;
   const std::string head = head_of(path);
-  if (fs::file_size(path, error) > audio::kLongestOfTimes_bytes && !audio::is_own_table(head)) return false;
+  if (fs::file_size(readable(path)) > audio::kLongestOfTimes_bytes && !audio::is_own_table(head)) return false;
   return audio::holds_times(head, head.size() < audio::kHeadOfTimes_bytes);
 }
 

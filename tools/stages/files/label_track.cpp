@@ -21,7 +21,7 @@ std::vector<std::filesystem::path> with_onsets_beside(std::vector<std::filesyste
 void write_label_track(const Run& run, const std::filesystem::path& out, const Onsets& onsets,
                        const std::vector<std::filesystem::path>& inputs) {
   write_text(run, out, audio::audacity_labels(audio::shortened(audio::annotations_of(onsets))), inputs);
-  write_table(run, onsets_beside(out), to_table(onsets), inputs);
+  if (!is_stream(out)) write_table(run, onsets_beside(out), to_table(onsets), inputs);
 }
 
 audio::Annotations read_label_track(const std::filesystem::path& path, const std::string& text) {

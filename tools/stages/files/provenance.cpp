@@ -100,7 +100,7 @@ void keep(const Content& content, const std::string& sum) {
 /// Discarded where it is none, or longer than a provenance is.
 Json json_in(const fs::path& path) {
   FileBytes bytes(path);
-  constexpr std::int64_t kMost = 1 << 20;
+  constexpr std::int64_t kMost = 1 << 25;  // of 100,000 recordings with long names
   const auto content = bytes.at(0, std::min(kMost, bytes.size()));
   return Json::parse(content.begin(), content.end(), nullptr, false);
 }

@@ -141,6 +141,8 @@ void detect_by_program(const Detector& detector, const ValidateOptions& options,
   }
   if (!fs::exists(file)) file += *detector.ending;
   if (!fs::exists(file)) throw InvalidArgument("the program has not written {out}" + *detector.ending);
+  if (!fs::is_regular_file(file) || fs::file_size(file) > kMostOutput_bytes)
+    throw InvalidArgument("what the program has put at {out} is no file, or has more than 67 MB");
   std::vector<std::string> says;
   marks.onsets = read_marks(file, says);
 }

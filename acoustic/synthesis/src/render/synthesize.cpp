@@ -224,11 +224,8 @@ SynthesisResult synthesize_each_drop(const DropSource& drops, const SynthesisCon
   const auto instrument = make_instrument(config);
   SynthesisResult all;
   all.levels = survey(drops, config, StrikeSound(config, instrument), progress).levels;
-  Impacts drop;
-  for (all.n_files = 0; !may_replace && drops(all.n_files, drop); ++all.n_files)
-    if (const auto path = path_of_drop(out, drop.rows.front().drop); std::filesystem::exists(path))
-      throw FileExists(path.string());
   all.n_files = 0;
+  Impacts drop;
   for (; drops(all.n_files, drop); ++all.n_files) {
     const std::int64_t number = drop.rows.front().drop;
     const SynthesisConfig of_drop = config_of_drop(config, all.levels, number);

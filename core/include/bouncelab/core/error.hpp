@@ -38,12 +38,6 @@ class FileExists : public FileError {
   explicit FileExists(const std::string& path) : FileError(path, "exists already") {}
 };
 
-/// Nobody reads what is written to a pipe any more (`| head`): no fault of anybody, and nothing to say.
-class BrokenPipe : public FileError {
- public:
-  explicit BrokenPipe(const std::string& path) : FileError(path, "nobody reads it any more") {}
-};
-
 /// The user (Ctrl-C) or the system asked to stop. Thrown by progress callbacks; unfinished outputs vanish.
 class Interrupted : public Error {
  public:

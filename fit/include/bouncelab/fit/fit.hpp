@@ -88,7 +88,7 @@ LawFit quoted_law(const FitResult& result);
 /// eps at the nodes as quoted: of the fit with memory where it holds, else averaged over laws, else of `law`.
 const std::vector<NodeEstimate>& quoted_nodes(const FitResult& result);
 
-/// eps(v) as quoted, of the same fits; empty of one speed alone.
+/// eps(v) as quoted, of the same fits; empty of one speed alone, and where no value stands for all samples.
 const std::vector<CurvePoint>& quoted_curve(const FitResult& result);
 
 /// Is there a curve eps(v) worth using? (`ok` and `not_identifiable`: the curve is known although A may not be.)

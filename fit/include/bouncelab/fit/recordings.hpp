@@ -83,4 +83,16 @@ const Description& members_of(const KindsOfDrops*);
 /// @param samples  finite, v > 0
 std::optional<KindsOfDrops> two_kinds_of_drops(const RestitutionSamples& samples);
 
+/// A drop that has the bounces of another: the same one twice, in copies of a recording or under another number.
+struct RepeatedDrop {
+  std::string recording, of_recording;
+  std::int64_t drop = 0, of_drop = 0;
+  std::size_t n_bounces = 0;  ///< that both have
+};
+
+/// Drops of which four bounces or more, and four fifths of the shorter drop's, have speed and eps of bounces of another
+/// drop to within a tenth of what eps scatters: two drops that are two have less than one such bounce in twenty.
+/// @param samples  finite, v > 0
+std::vector<RepeatedDrop> repeated_drops(const RestitutionSamples& samples);
+
 }  // namespace bouncelab::fit
