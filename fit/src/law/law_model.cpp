@@ -184,7 +184,7 @@ std::vector<double> node_speeds(std::span<const double> v_mps) {
       const double ten = power(10.0, std::abs(decimals));
       return decimals >= 0 ? whole(v * ten) / ten : whole(v / ten) * ten;
     };
-    const std::vector<double> nodes{rounded(lo, std::ceil), rounded(middle, std::round), rounded(hi, std::floor)};
+    std::vector<double> nodes{rounded(lo, std::ceil), rounded(middle, std::round), rounded(hi, std::floor)};
     if (nodes[0] < nodes[1] && nodes[1] < nodes[2]) return nodes;
   }
   return {lo, middle, hi};
