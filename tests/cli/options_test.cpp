@@ -41,7 +41,7 @@ TEST_F(Options, RealsAreDecimalFiniteAndInTheirRange) {
   expect_wrong("--gravity nan", {"--gravity", "'nan'", "finite decimal number from 0.001 to 1000"});
   expect_wrong("--gravity inf", {"--gravity"});
   expect_wrong("--gravity 0x1p3", {"--gravity"});
-  expect_wrong("--ball steel:1e-300m", {"--ball", "'1e-300m'", "from 2 um to 20 m"});
+  expect_wrong("--ball steel:1e-300m", {"--ball", "'1e-300m'", "from 2 um to 2 m"});
   expect_wrong("--max-time inf", {"--max-time"});
   write("s.csv", "v_mps,eps\n1,0.9\n");
   for (const std::string option : {"--nodes", "--hand-off-speed", "--windows", "--window-width"})
