@@ -204,7 +204,7 @@ std::optional<Sequence> rows_of_values(const ForeignTable& table) {
 }
 
 /// The column that is called as in tables of ours, which somebody saved again with other separators.
-std::optional<std::size_t> own_column(const ForeignTable& table, const char* title) {
+std::optional<std::size_t> own_column(const ForeignTable& table, const std::string& title) {
   const auto found = std::find(table.titles.begin(), table.titles.end(), title);
   if (found == table.titles.end()) return std::nullopt;
   return static_cast<std::size_t>(found - table.titles.begin());
@@ -357,22 +357,21 @@ int decimals_of(const std::vector<Found>& values, double unit) {
 void add_own_columns(const ForeignTable& foreign, const std::vector<ColumnSpec>& own, const std::string& name,
                      Table& table) {
   for (const ColumnSpec& spec : own) {
-    const auto title = std::find(foreign.titles.begin(), foreign.titles.end(), spec.name);
+    const auto column = own_column(foreign, spec.name);
     const bool is_there = std::any_of(table.columns.begin(), table.columns.end(),
                                       [&](const Column& column) { return column.name == spec.name; });
-    if (title == foreign.titles.end() || is_there || spec.type == ColumnType::integer) continue;
-    const auto column = static_cast<std::size_t>(title - foreign.titles.begin());
+    if (!column || is_there || spec.type == ColumnType::integer) continue;
     Column values = empty_column(spec);
     for (const ForeignTable::Row& row : foreign.rows) {
       if (auto* texts = std::get_if<std::vector<std::string>>(&values.values)) {
-        texts->push_back(row.cells[column]);
+        texts->push_back(row.cells[*column]);
         continue;
       }
-      if (!row.cells[column].empty() && !row.numbers[column])
+      if (!row.cells[*column].empty() && !row.numbers[*column])
         throw FileError(name, "line " + std::to_string(row.line) + ", column " + spec.name + ": '" +
-                                  printable(row.cells[column]) + "' is not a number");
+                                  printable(row.cells[*column]) + "' is not a number");
       std::get<std::vector<double>>(values.values)
-          .push_back(row.numbers[column] ? row.numbers[column]->value : std::numeric_limits<double>::quiet_NaN());
+          .push_back(row.numbers[*column] ? row.numbers[*column]->value : std::numeric_limits<double>::quiet_NaN());
     }
     table.columns.push_back(std::move(values));
   }
