@@ -138,7 +138,9 @@ std::string of_value(const PlainAnswer& answer, const FitResult& result) {
   const SpeedAndRestitution& at = *answer.at;
   std::string text = "ε = " + with_interval(at.eps) + " at " + speed(at.v_mps);
   const auto& nodes = quoted_nodes(result);
-  if (answer.elsewhere.empty() && speed(nodes.front().v_mps) != speed(nodes.back().v_mps) &&
+  // of one eps that was asked for nothing is to be seen
+  const bool may_change = result.law.kind != LawKind::constant || !result.averaged || result.averaged->laws.size() > 1;
+  if (may_change && answer.elsewhere.empty() && speed(nodes.front().v_mps) != speed(nodes.back().v_mps) &&
       !(result.averaged && result.averaged->step))
     text += "; from " + speed(nodes.front().v_mps) + " to " + speed(nodes.back().v_mps) +
             " no change with the speed is seen";
@@ -186,15 +188,6 @@ std::string of_range(const PlainAnswer& answer, bool differ) {
                         : "each has a value of its own (--pool makes one of all).");
 }
 
-/// Two balls, or two floors, which nothing but the drops tells apart.
-std::string of_kinds(const KindsOfDrops& kinds) {
-  const int decimals = std::clamp(1 - static_cast<int>(std::floor(log10(kinds.eps_upper - kinds.eps_lower))), 2, 8);
-  return formatted(
-      "The drops are of two kinds: ε is about %.*f in %zu of them and about %.*f in %zu. Two balls, or two "
-      "floors? Take them apart: one value for all would belong to no ball (--pool makes one).",
-      decimals, kinds.eps_lower, kinds.n_lower, decimals, kinds.eps_upper, kinds.n_upper);
-}
-
 /// "dropped from about 5 cm; 52 impacts in 8.2 s"
 std::string of_drops(const DropsSeen& seen, bool one_ball) {
   std::string text;
@@ -226,6 +219,14 @@ std::string of_missing(const FitResult& result, const RestitutionSamples& sample
 std::string interval_in_words(const Estimate& e) {
   const int decimals = decimals_for(e);
   return rounded(e.ci95->lo, decimals) + " to " + rounded(e.ci95->hi, decimals);
+}
+
+std::string in_words(const KindsOfDrops& kinds) {
+  const int decimals = std::clamp(1 - static_cast<int>(std::floor(log10(kinds.eps_upper - kinds.eps_lower))), 2, 8);
+  return formatted(
+      "The drops are of two kinds: ε is about %.*f in %zu of them and about %.*f in %zu. Two balls, or two "
+      "floors?",
+      decimals, kinds.eps_lower, kinds.n_lower, decimals, kinds.eps_upper, kinds.n_upper);
 }
 
 const std::vector<NodeEstimate>& nodes_of(const FitResult& result, bool with_memory) {
@@ -263,10 +264,12 @@ PlainAnswer plain_answer(const FitResult& result, const RestitutionSamples& samp
                                  " % of the energy of its motion up and down is lost in each bounce" +
                                  " at that speed" + why_not_of_peak(*answer.at) + ".");
   } else {
-    answer.sentences.push_back(!is_fitted ? of_missing(result, samples)
-                               : result.kinds_of_drops && !disagree(result.recordings)
-                                   ? of_kinds(*result.kinds_of_drops)
-                                   : of_range(answer, disagree(result.recordings)));
+    answer.sentences.push_back(
+        !is_fitted ? of_missing(result, samples)
+        : result.kinds_of_drops && !disagree(result.recordings)
+            ? in_words(*result.kinds_of_drops) +
+                  " Take them apart: one value for all would belong to no ball (--pool makes one)."
+            : of_range(answer, disagree(result.recordings)));
   }
   if (std::string drops = of_drops(answer.seen, answer.recordings.empty()); !drops.empty())
     answer.sentences.push_back(std::move(drops));

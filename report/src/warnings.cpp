@@ -152,23 +152,9 @@ void warn_of_mixed_conditions(const RestitutionSamples& used, std::vector<std::s
                   n));
 }
 
-void warn_of_repeated_drops(const RestitutionSamples& used, std::vector<std::string>& warnings) {
-  const std::vector<RepeatedDrop> repeated = repeated_drops(used);
-  if (repeated.empty()) return;
-  const auto name = [](const std::string& recording, std::int64_t drop) {
-    return "drop " + std::to_string(drop) + (recording.empty() ? "" : " of " + printable(recording));
-  };
-  const RepeatedDrop& first = repeated.front();
-  warnings.push_back(
-      name(first.recording, first.drop) + " has the bounces of " + name(first.of_recording, first.of_drop) +
-      formatted(" (%zu of them)", first.n_bounces) +
-      (repeated.size() > 1 ? formatted(", and so have %zu more drops of others", repeated.size() - 1) : "") +
-      ": the same drop twice? Leave the copies out, or the errors are too small");
-}
-
 /// Of the samples alone, whatever is fitted to them.
 void warn_of_all_samples(const RestitutionSamples& used, const LeftOut& left_out, std::vector<std::string>& warnings) {
-  warn_of_repeated_drops(used, warnings);
+  if (auto twice = warning_of_repeated_drops(used)) warnings.push_back(*std::move(twice));
   warn_of_samples(used, warnings);
   warn_of_rows_left_out(left_out, warnings);
   warn_of_mixed_conditions(used, warnings);
@@ -184,6 +170,19 @@ std::string open_without_ball(const MemoryFit& memory) {
 
 }  // namespace
 
+std::optional<std::string> warning_of_repeated_drops(const RestitutionSamples& used) {
+  const std::vector<RepeatedDrop> repeated = repeated_drops(used);
+  if (repeated.empty()) return std::nullopt;
+  const auto name = [](const std::string& recording, std::int64_t drop) {
+    return "drop " + std::to_string(drop) + (recording.empty() ? "" : " of " + printable(recording));
+  };
+  const RepeatedDrop& first = repeated.front();
+  return name(first.recording, first.drop) + " has the bounces of " + name(first.of_recording, first.of_drop) +
+         formatted(" (%zu of them)", first.n_bounces) +
+         (repeated.size() > 1 ? formatted(", and so have %zu more drops of others", repeated.size() - 1) : "") +
+         ": the same drop twice? Leave copies out, or the errors are too small";
+}
+
 void warn(const FitResult& result, const RestitutionSamples& samples, FitInWords& words) {
   LeftOut left_out;
   const PartOfSamples part = usable_samples(samples, left_out);
@@ -191,6 +190,7 @@ void warn(const FitResult& result, const RestitutionSamples& samples, FitInWords
   // what may make another answer comes first; what only some ask for is a detail
   std::vector<std::string>& first = words.warnings;
   if (disagree(result.recordings)) first.push_back(in_words(result.recordings));
+  if (result.kinds_of_drops && result.is_one_ball) first.push_back(in_words(*result.kinds_of_drops));
   warn_of_all_samples(used, left_out, first);
   // why there is no curve is a detail where eps is known all the same
   const LawFit quoted = quoted_law(result);
@@ -198,6 +198,7 @@ void warn(const FitResult& result, const RestitutionSamples& samples, FitInWords
   if (no_curve && !result.averaged) first.push_back(quoted.message);
   warn_of_law(result, first);
   warn_of_nodes(quoted_nodes(result), used, first);
+  if (result.dem_export) warn_of_nodes({{result.dem_export->v_mps, {}}}, used, first);
   warn_of_timing(result.budget, first);
   std::vector<std::string>& details = words.details;
   if (first.size() > kMostWarnings) {

@@ -192,5 +192,18 @@ TEST_F(CompareCommand, APlateIsTheSameWithBlanksAroundItsName) {
   EXPECT_EQ(comparison().at("plates").at("rows").size(), kPlates);
 }
 
+TEST_F(CompareCommand, SaysThatARecordingIsThereTwice) {
+  write_samples();
+  std::istringstream lines(content_of(folder_ / "s.csv"));
+  std::string text, copy, line;
+  while (std::getline(lines, line)) {
+    text += line + "\n";
+    if (line.starts_with(name_of(2))) copy += "copy" + line.substr(name_of(2).size()) + "\n";
+  }
+  write("twice.csv", text + copy);
+  EXPECT_THAT(run("compare s.csv --out once").err, testing::Not(testing::HasSubstr("twice")));
+  EXPECT_THAT(run("compare twice.csv --out twice").err, testing::HasSubstr("the same drop twice?"));
+}
+
 }  // namespace
 }  // namespace bouncelab::cli_test

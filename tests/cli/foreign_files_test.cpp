@@ -349,5 +349,14 @@ TEST_F(ForeignFiles, TheSameDropTwiceIsSaid) {
   EXPECT_THAT(run("analyze c0.csv --out one").out, Not(HasSubstr("twice")));
 }
 
+TEST_F(ForeignFiles, AColumnForEachDropIsNoRowForEachDrop) {
+  write("c.csv", "T1 (s),T2 (s),T3 (s)\n0.1,0.2,0.15\n0.6,0.72,0.66\n1.03,1.14,1.1\n1.38,1.5,1.47\n");
+  expect_one_line_error(run("analyze c.csv"), 3, {"c.csv", "a column for each drop", "T1 (s)"});
+  write("r.csv", "T1 (s),T2 (s),T3 (s)\n0.1,0.6,1.03\n0.2,0.72,1.14\n0.15,0.66,1.1\n");
+  EXPECT_THAT(run("analyze r.csv --out r").out, HasSubstr("a row for each drop"));
+  write("v.csv", "Run 1: Time (s)\n0.5\n1.0\n1.43\n1.79\n2.1\n");
+  EXPECT_THAT(run("analyze v.csv --out v").out, HasSubstr("5 impacts in 1 drop"));
+}
+
 }  // namespace
 }  // namespace bouncelab::cli_test

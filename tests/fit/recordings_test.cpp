@@ -213,5 +213,38 @@ TEST(RepeatedDrops, AreThoseThatAreCopiesAndNoOthers) {
   }
 }
 
+/// Drops of one ball of constant eps from 5 cm and 1 m, as a watch that shows so many seconds has their times.
+RestitutionSamples from_two_heights(std::size_t n_drops, int n_bounces, double watch_s, bool two_only,
+                                    std::uint64_t seed) {
+  Random random(seed, RandomStream::test, 3);
+  Onsets onsets;
+  for (std::size_t drop = 0; drop < n_drops; ++drop) {
+    double v_mps = std::sqrt(2.0 * 9.81 * (two_only && drop % 2 == 0 ? 0.05 : 1.0)), t_s = 0.5;
+    for (int k = 0; k <= n_bounces; ++k) {
+      Onset onset;
+      onset.drop = static_cast<std::int64_t>(drop);
+      onset.impact = k;
+      onset.t_s = watch_s > 0.0 ? watch_s * std::round(t_s / watch_s) : t_s;
+      if (watch_s > 0.0) onset.sigma_t_s = watch_s / std::sqrt(12.0);
+      onsets.push_back(onset);
+      v_mps *= 0.93 + 2e-3 * random.normal();
+      t_s += 2.0 * v_mps / 9.81;
+    }
+  }
+  return restitution_samples(onsets, {}).samples;
+}
+
+TEST(KindsOfDrops, AreNotTwoOfOneBallFromTwoHeightsWhoseSlopeIsHardlyKnown) {
+  int n_false = 0;
+  for (std::uint64_t seed = 1; seed <= 200; ++seed)
+    n_false += two_kinds_of_drops(from_two_heights(4 + 2 * (seed % 2), 5, 0.0, true, seed)) ? 1 : 0;
+  EXPECT_LE(n_false, 2);
+}
+
+TEST(RepeatedDrops, AreNotThoseOfAWatchThatShowsHundredths) {
+  for (std::uint64_t seed = 1; seed <= 20; ++seed)
+    EXPECT_TRUE(repeated_drops(from_two_heights(6, 6, 0.01, false, seed)).empty()) << seed;
+}
+
 }  // namespace
 }  // namespace bouncelab::fit

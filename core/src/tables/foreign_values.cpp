@@ -136,18 +136,25 @@ struct Sequence {
 };
 
 bool says_interval(std::string_view title) { return has_word(title, kIntervalWords); }
+/// "Run", not "Run 1: Time (s)".
+bool names_drop(std::string_view title) { return has_word(title, kDropWords) && !names_time(title); }
 /// "Height 1 (m)", "Energy 1", "speed (m/s)": something else.
 bool says_other(std::string_view title) {
-  constexpr std::array<std::string_view, 27> kOther{"height",
+  constexpr std::array<std::string_view, 40> kOther{"height",
                                                     "h",
                                                     "hoehe",
+                                                    "h\xC3\xB6he",
+                                                    "hauteur",
+                                                    "altezza",
+                                                    "altura",
                                                     "energy",
+                                                    "energie",
+                                                    "energia",
                                                     "m",
                                                     "cm",
                                                     "j",
                                                     "mm",
                                                     "hz",
-                                                    "x",
                                                     "y",
                                                     "v",
                                                     "speed",
@@ -158,21 +165,50 @@ bool says_other(std::string_view title) {
                                                     "restitution",
                                                     "vitesse",
                                                     "velocidad",
+                                                    "force",
+                                                    "level",
+                                                    "pressure",
+                                                    "mass",
                                                     "temperature",
                                                     "displacement",
                                                     "distance",
                                                     "amplitude",
                                                     "acceleration",
                                                     "geschwindigkeit",
-                                                    "epsilon"};
+                                                    "epsilon",
+                                                    "db",
+                                                    "pa",
+                                                    "kg",
+                                                    "kraft"};
   return !names_time(title) && !says_interval(title) && has_word(title, kOther);
 }
 bool says_time(std::string_view title) {
   return !says_interval(title) && !says_other(title) && (is_time_title(title) || has_word(title, kMarkWords));
 }
 
+/// Do the numbers rise, or fall, down every column, and not along the rows?
+bool are_columns_of_drops(const ForeignTable& table, const std::vector<std::size_t>& columns) {
+  if (table.rows.size() < 3) return false;
+  std::size_t n_down = 0, n_up = 0, n_ordered_rows = 0;
+  for (const std::size_t k : columns) {
+    std::vector<double> down;
+    for (const ForeignTable::Row& row : table.rows)
+      if (row.numbers[k]) down.push_back(row.numbers[k]->value);
+    n_up += std::is_sorted(down.begin(), down.end()) ? 1 : 0;
+    n_down += std::is_sorted(down.rbegin(), down.rend()) ? 1 : 0;
+  }
+  for (const ForeignTable::Row& row : table.rows) {
+    std::vector<double> along;
+    for (const std::size_t k : columns)
+      if (row.numbers[k]) along.push_back(row.numbers[k]->value);
+    n_ordered_rows +=
+        std::is_sorted(along.begin(), along.end()) || std::is_sorted(along.rbegin(), along.rend()) ? 1 : 0;
+  }
+  return (n_up == columns.size() || n_down == columns.size()) && n_ordered_rows < table.rows.size();
+}
+
 /// One drop in each row: "Start (s)", "Stop 1 (s)", "Stop 2 (s)" ..., or a single row of numbers.
-std::optional<Sequence> rows_of_values(const ForeignTable& table) {
+std::optional<Sequence> rows_of_values(const ForeignTable& table, const std::string& name) {
   std::vector<std::size_t> columns;
   for (std::size_t k = 0; k < table.n_columns(); ++k)
     if (table.rows.front().numbers[k] && !says_other(title_of(table, k)) && !has_word(title_of(table, k), kDropWords))
@@ -184,6 +220,10 @@ std::optional<Sequence> rows_of_values(const ForeignTable& table) {
   if (columns.size() < 3 || (n_numbered < 3 && table.rows.size() > 1)) return std::nullopt;
   if (n_numbered >= 3)
     std::erase_if(columns, [&](std::size_t k) { return !is_numbered(k) && !says_time(title_of(table, k)); });
+  if (are_columns_of_drops(table, columns))
+    throw FileError(name, "has a column for each drop (" + column_name(table, columns[0]) + ", " +
+                              column_name(table, columns[1]) +
+                              " ...); write them below each other, with a column drop");
   Sequence sequence;
   sequence.has_series = table.rows.size() > 1;
   sequence.from = table.rows.size() == 1 ? "a row" : "a row for each drop";
@@ -217,7 +257,7 @@ std::size_t value_column(const ForeignTable& table, const ForeignOptions& option
   for (std::size_t k = 0; k < table.n_columns(); ++k) {
     const Numbers numbers = numbers_of(table, k);
     const bool is_mostly = 2 * numbers.n > table.rows.size() || (numbers.n > 0 && says_time(title_of(table, k)));
-    if (is_mostly && !has_word(title_of(table, k), kDropWords)) numeric.push_back(k);
+    if (is_mostly && !names_drop(title_of(table, k))) numeric.push_back(k);
   }
   const auto first = [&](const std::function<bool(std::size_t)>& is) {
     const auto found = std::find_if(numeric.begin(), numeric.end(), is);
@@ -243,7 +283,7 @@ Sequence column_of_values(const ForeignTable& table, const ForeignOptions& optio
   sequence.says_times = says_time(sequence.title);
   std::optional<std::size_t> drops = told_column(table, options, "drop", name);
   for (std::size_t k = 0; k < table.titles.size() && !drops; ++k)
-    if (k != column && has_word(table.titles[k], kDropWords)) drops = k;
+    if (k != column && names_drop(table.titles[k])) drops = k;
   sequence.has_series = drops.has_value();
   std::int64_t series = 0;
   std::string before;
@@ -259,8 +299,11 @@ Sequence column_of_values(const ForeignTable& table, const ForeignOptions& optio
     if (!number && (follows || !is_unknown(row.cells[column])) && !unknown) unknown = &row;
     // without it the intervals around would be one; behind the last impact a cell may be empty
     if (unknown && (number || !is_unknown(unknown->cells[column])))
-      throw FileError(name, "line " + std::to_string(unknown->line) + ", " + column_name(table, column) + ": '" +
-                                printable(unknown->cells[column]) + "' is no number; correct or remove the row");
+      throw FileError(
+          name, "line " + std::to_string(unknown->line) + ", " + column_name(table, column) + ": '" +
+                    printable(unknown->cells[column]) +
+                    "' is no number: without the time of that impact two intervals would be one; write it, or part the "
+                    "drop in two there");
     if (number) sequence.values.push_back({number->value, number->rounding, number->is_clock, row.line, series});
   }
   return sequence;
@@ -398,7 +441,7 @@ std::vector<std::int64_t> drops_of(std::span<const double> t_s) {
 }
 
 TakenTable onsets_from_foreign(const ForeignTable& foreign, const std::string& name, const ForeignOptions& options) {
-  const std::optional<Sequence> rows = options.columns.empty() ? rows_of_values(foreign) : std::nullopt;
+  const std::optional<Sequence> rows = options.columns.empty() ? rows_of_values(foreign, name) : std::nullopt;
   const auto eps = column_with(foreign, kEpsWords, {});
   if (eps && column_with(foreign, kSpeedWords, eps) && options.as == "auto" && options.columns.empty())
     throw FileError(name, "holds speeds and coefficients of restitution, no times; bouncelab fit takes it");

@@ -23,7 +23,14 @@ constexpr double kBeyondCurvature = 0.1;
 
 struct Drop {
   std::vector<double> ln_v, eps;
+  double ln_v_median = 0.0;
   double at_one_speed = 0.0;  ///< median of eps - slope ln v
+};
+
+/// What bounces of a drop scatter, and what is known of the change with speed.
+struct Scatter {
+  double sd = 0.0;        ///< of eps, about the median of its drop; or what the timing makes of it
+  double slope_se = 0.0;  ///< of d eps / d ln v within drops
 };
 
 std::vector<Drop> drops_of(const RestitutionSamples& samples) {
@@ -59,23 +66,38 @@ double slope_within(const std::vector<Drop>& drops) {
   return slopes.empty() ? 0.0 : median(std::move(slopes));
 }
 
-/// @param deviations  of all bounces from the median of their drop
-std::vector<Drop> at_one_speed(std::vector<Drop> drops, std::vector<double>& deviations) {
+/// Sets each drop's `at_one_speed`.
+Scatter bring_to_one_speed(std::vector<Drop>& drops) {
   const double slope = slope_within(drops);
+  std::vector<double> deviations;
+  double leverage = 0.0;
   for (Drop& drop : drops) {
     std::vector<double> eps = drop.eps;
     for (std::size_t k = 0; k < eps.size(); ++k) eps[k] -= slope * drop.ln_v[k];
     drop.at_one_speed = median(eps);
+    drop.ln_v_median = median(drop.ln_v);
     for (const double e : eps) deviations.push_back(std::abs(e - drop.at_one_speed));
+    for (const double ln_v : drop.ln_v) leverage += square(ln_v - drop.ln_v_median);
   }
-  return drops;
+  if (deviations.empty()) return {};
+  Scatter scatter{kSdOverMad * median(std::move(deviations)), 0.0};
+  // medians of halves use the samples half as well as least squares
+  if (leverage > 0.0) scatter.slope_se = 2.0 * scatter.sd / std::sqrt(leverage);
+  return scatter;
+}
+
+/// Standard error of eps by the timing, of most bounces; 0 where it is not known.
+double timing_of(const RestitutionSamples& samples) {
+  std::vector<double> sigma;
+  for (const RestitutionSample& s : samples) sigma.push_back(s.sigma_eps.value_or(0.0));
+  return sigma.empty() ? 0.0 : median(std::move(sigma));
 }
 
 }  // namespace
 
 std::optional<KindsOfDrops> two_kinds_of_drops(const RestitutionSamples& samples) {
-  std::vector<double> deviations;
-  std::vector<Drop> drops = at_one_speed(drops_of(samples), deviations);
+  std::vector<Drop> drops = drops_of(samples);
+  const Scatter scatter = bring_to_one_speed(drops);
   std::sort(drops.begin(), drops.end(), [](const Drop& a, const Drop& b) { return a.at_one_speed < b.at_one_speed; });
   const auto n = std::ssize(drops);
   std::ptrdiff_t below = 0;  // how many of them are in the lower group
@@ -85,15 +107,25 @@ std::optional<KindsOfDrops> two_kinds_of_drops(const RestitutionSamples& samples
   if (below == 0) return {};
   const double widest = std::max(drops[below - 1].at_one_speed - drops.front().at_one_speed,
                                  drops.back().at_one_speed - drops[below].at_one_speed);
-  if (gap < kFarApart * std::max(widest, kSdOverMad * median(std::move(deviations)))) return {};
+  const auto ln_v_of = [&](std::ptrdiff_t first, std::ptrdiff_t last) {
+    std::vector<double> ln_v;
+    for (std::ptrdiff_t k = first; k < last; ++k) ln_v.push_back(drops[k].ln_v_median);
+    return median(std::move(ln_v));
+  };
+  const double by_slope = scatter.slope_se * std::abs(ln_v_of(0, below) - ln_v_of(below, n));
+  if (gap < kFarApart * std::max({widest, scatter.sd, timing_of(samples), by_slope})) return {};
   if (gap < kBeyondCurvature * (1.0 - drops.front().at_one_speed)) return {};
   std::vector<double> lower, upper;
   for (std::ptrdiff_t k = 0; k < n; ++k) {
     std::vector<double>& kind = k < below ? lower : upper;
     kind.insert(kind.end(), drops[k].eps.begin(), drops[k].eps.end());
   }
-  return KindsOfDrops{static_cast<std::size_t>(below), static_cast<std::size_t>(n - below), median(std::move(lower)),
-                      median(std::move(upper))};
+  const KindsOfDrops kinds{static_cast<std::size_t>(below), static_cast<std::size_t>(n - below),
+                           median(std::move(lower)), median(std::move(upper))};
+  // also as they are: a slope that few bounces tell parts what was dropped from two heights
+  const double apart = kinds.eps_upper - kinds.eps_lower;
+  if (apart < std::max(kFarApart * scatter.sd, kBeyondCurvature * (1.0 - kinds.eps_lower))) return {};
+  return kinds;
 }
 
 std::vector<RepeatedDrop> repeated_drops(const RestitutionSamples& samples) {
@@ -113,10 +145,11 @@ std::vector<RepeatedDrop> repeated_drops(const RestitutionSamples& samples) {
     ++size_of[d];
   }
   if (size_of.size() < 2) return {};
-  std::vector<double> deviations;
-  at_one_speed(drops_of(samples), deviations);
-  if (deviations.empty()) return {};
-  const double within = kAlike * kSdOverMad * median(std::move(deviations));
+  std::vector<Drop> drops = drops_of(samples);
+  const Scatter scatter = bring_to_one_speed(drops);
+  const double within = kAlike * scatter.sd;
+  // times so coarse are alike of drops that are not
+  if (timing_of(samples) > 0.5 * scatter.sd) return {};
   std::vector<std::size_t> order(samples.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::sort(order.begin(), order.end(),

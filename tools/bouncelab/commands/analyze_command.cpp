@@ -132,6 +132,9 @@ Outcome analyze_sound(const std::vector<fs::path>& files, const loop::AnalyzeCon
   Outcome detected = detection_outcome(found.recordings, std::move(warnings));
   if (!first_found(found.recordings)) return detected;
   detected.text.clear();
+  for (const detection::RecordingDetection& r : found.recordings)
+    if (r.found.status != detection::DetectionStatus::ok && r.found.status != detection::DetectionStatus::unreadable)
+      detected.warnings.push_back(printable(input_name(r.recording)) + ": " + r.found.message + "; left out");
   return write_analysis(found, config, files, readable_of(found.recordings), detected, folder, run);
 }
 

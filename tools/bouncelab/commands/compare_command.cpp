@@ -22,6 +22,7 @@
 #include "bouncelab/fit/group_differences.hpp"
 #include "bouncelab/fit/restitution.hpp"
 #include "bouncelab/fit/usable_samples.hpp"
+#include "bouncelab/report/answer.hpp"
 #include "bouncelab/report/comparison.hpp"
 #include "bouncelab/report/page.hpp"
 #include "stages/ball_of_files.hpp"
@@ -236,6 +237,13 @@ Outcome run_compare(const CompareOptions& options, const Run& run) {
                                          std::string(of_other_conditions.size() == 1 ? "is" : "are") +
                                              " of another ball, plate or gravity than the first, or otherwise "
                                              "corrected: what differs may be that"));
+  RestitutionSamples kept;
+  for (const RestitutionSamples& samples : reduction.kept) {
+    fit::LeftOut left_out;
+    const fit::PartOfSamples usable = fit::usable_samples(samples, left_out);
+    kept.insert(kept.end(), usable->begin(), usable->end());
+  }
+  if (auto twice = report::warning_of_repeated_drops(kept)) outcome.warnings.push_back(*std::move(twice));
   name_origins(recordings, origins, options.groups, outcome.warnings);
   fit::BetweenRecordings between = fit::compare_campaign(recordings);
   between.notes = joined(outcome.warnings, between.notes);

@@ -77,9 +77,9 @@ struct KindsOfDrops {
 const Description& members_of(const KindsOfDrops*);
 
 /// Drops fall into two kinds where, at one speed, their medians of eps do: into two groups of at least two drops, each
-/// narrower than a third of the gap between them, which is more than three times the scatter about the medians and more
-/// than a tenth of 1 - eps. Drops of one ball on one floor differ by less than single impacts do; what differs by less
-/// is in the errors by drop.
+/// narrower than a third of the gap between them, which is more than three times the scatter about the medians, three
+/// times what their slope with speed is not known by, and a tenth of 1 - eps. Drops of one ball on one floor differ by
+/// less than single impacts do; what differs by less is in the errors by drop.
 /// @param samples  finite, v > 0
 std::optional<KindsOfDrops> two_kinds_of_drops(const RestitutionSamples& samples);
 
@@ -91,7 +91,8 @@ struct RepeatedDrop {
 };
 
 /// Drops of which four bounces or more, and four fifths of the shorter drop's, have speed and eps of bounces of another
-/// drop to within a tenth of what eps scatters: two drops that are two have less than one such bounce in twenty.
+/// drop to within a tenth of what eps scatters: two drops that are two have less than one such bounce in twenty. None
+/// where the timing makes half of the scatter.
 /// @param samples  finite, v > 0
 std::vector<RepeatedDrop> repeated_drops(const RestitutionSamples& samples);
 

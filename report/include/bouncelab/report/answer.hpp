@@ -93,6 +93,9 @@ void withhold_answer(const std::string& why, FitInWords& words);
 FitInWords in_words(const fit::FitResult& result, const RestitutionSamples& samples,
                     fit::UseMemory memory = fit::UseMemory::where_long);
 
+/// Drops that have the bounces of others, in words; absent where there are none (fit::repeated_drops).
+std::optional<std::string> warning_of_repeated_drops(const RestitutionSamples& used);
+
 /// The first of the warnings that the answer does not say itself, as a sentence, becomes the answer's doubt.
 void choose_doubt(const std::vector<std::string>& warnings, FitInWords& words);
 
