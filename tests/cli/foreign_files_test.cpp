@@ -331,10 +331,13 @@ TEST_F(ForeignFiles, WhatIsNeitherTimeNorIntervalIsTakenForNone) {
 TEST_F(ForeignFiles, SpeedsInOtherUnitsAndSquaresOfTheCoefficientAreRefused) {
   for (const auto& [titles, words] : {std::pair{"speed (mph),e", "unit that is not known"},
                                       {"v (ft/s),e", "unit that is not known"},
+                                      {"speed (knots),e", "unit that is not known"},
                                       {"v (m/s),e^2", "is a square"}}) {
     write("v.csv", std::string(titles) + "\n2,0.8\n1.6,0.8\n1.3,0.8\n1,0.8\n");
     expect_one_line_error(run("fit v.csv --out f.json"), 3, {"v.csv", words});
   }
+  write("known.csv", "known speed,e\n2,0.8\n1.6,0.8\n1.3,0.8\n1,0.8\n");
+  EXPECT_THAT(run("fit known.csv --out k.json").out, HasSubstr("speeds in m/s"));
 }
 
 TEST_F(ForeignFiles, TheSameDropTwiceIsSaid) {

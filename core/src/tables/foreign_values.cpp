@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What the columns of other people's tables are.
+// Times and intervals of other people's tables.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,12 +13,11 @@
 #include "bouncelab/core/onsets.hpp"
 #include "bouncelab/core/samples.hpp"
 #include "bouncelab/core/text.hpp"
+#include "tables/foreign_columns.hpp"
 #include "tables/title_words.hpp"
 
 namespace bouncelab {
 namespace {
-
-using Words = std::span<const std::string_view>;
 
 constexpr std::array<std::string_view, 15> kIntervalWords{
     "interval",   "intervals", "intervall", "intervalle", "intervalo", "intervallo", "dt",  "\xCE\x94t",
@@ -28,93 +27,12 @@ constexpr std::array<std::string_view, 15> kMarkWords{"onset",  "onsets", "start
                                                       "event",  "bote",   "rimbalzo", "marker", "position"};
 constexpr std::array<std::string_view, 12> kDropWords{"drop",  "trial", "run",     "series", "serie",   "try",
                                                       "essai", "wurf",  "versuch", "throw",  "messung", "measurement"};
-constexpr std::array<std::string_view, 9> kEpsWords{
-    "eps", "epsilon", "\xCE\xB5", "e", "cor", "restitution", "restitutionskoeffizient", "stosszahl", "cr"};
-constexpr std::array<std::string_view, 10> kSpeedWords{
-    "v", "speed", "velocity", "geschwindigkeit", "vitesse", "impact", "velocidad", "v\xE2\x82\x80", "vin", "u"};
 
 constexpr std::array<std::string_view, 6> kFrameWords{"frame", "frames", "sample", "samples", "bild", "image"};
-constexpr std::array<std::string_view, 8> kAfterWords{"out", "after", "nach", "rebound", "ab", "aus", "apres", "h"};
-
-bool has_word(std::string_view title, Words wanted) {
-  const std::vector<std::string> words = words_of(title);
-  return std::any_of(words.begin(), words.end(), [&](const std::string& word) {
-    return std::find(wanted.begin(), wanted.end(), word) != wanted.end();
-  });
-}
-
-/// Of the numbers of a column: how many rows have one, and whether they count 1, 2, 3 ... or 0, 1, 2 ...
-struct Numbers {
-  std::size_t n = 0;
-  bool counts = true;
-};
-
-Numbers numbers_of(const ForeignTable& table, std::size_t column) {
-  Numbers result;
-  std::optional<double> before;
-  for (const ForeignTable::Row& row : table.rows) {
-    const auto& number = row.numbers[column];
-    if (!number) continue;
-    ++result.n;
-    result.counts =
-        result.counts && (before ? number->value == *before + 1.0 : number->value == 0.0 || number->value == 1.0);
-    before = number->value;
-  }
-  result.counts = result.counts && result.n > 1;
-  return result;
-}
-
-std::string title_of(const ForeignTable& table, std::size_t column) {
-  return column < table.titles.size() ? table.titles[column] : std::string();
-}
 
 bool is_unknown(const std::string& cell) {
   constexpr std::array<std::string_view, 8> kNothing{"", "-", "nan", "NaN", "NA", "N/A", "null", "--"};
   return std::find(kNothing.begin(), kNothing.end(), cell) != kNothing.end();
-}
-
-std::string column_name(const ForeignTable& table, std::size_t column) {
-  const std::string title = title_of(table, column);
-  return title.empty() ? "column " + std::to_string(column + 1) : "column '" + printable(title, 60) + "'";
-}
-
-std::string titles_in_words(const ForeignTable& table) {
-  std::string text;
-  for (std::size_t k = 0; k < table.n_columns(); ++k) text += (k == 0 ? "" : ", ") + column_name(table, k);
-  return printable(text, 400);
-}
-
-std::string format_in_words(const CellFormat& format, std::size_t n_columns) {
-  std::string text;
-  if (n_columns > 1)
-    text = format.separator == '\t'  ? "tabs between"
-           : format.separator == ' ' ? "blanks between"
-                                     : std::string("'") + format.separator + "' between";
-  if (format.decimal == ',') text += (text.empty() ? "" : ", ") + std::string("decimal comma");
-  return text;
-}
-
-/// A column by its exact title, or by its number from 1.
-std::size_t named_column(const ForeignTable& table, const std::string& wanted, const std::string& name) {
-  for (std::size_t k = 0; k < table.titles.size(); ++k)
-    if (table.titles[k] == wanted) return k;
-  const auto number = number_of(wanted, '.');
-  if (number && number->value >= 1.0 && number->value <= static_cast<double>(table.n_columns()) &&
-      number->value == std::floor(number->value))
-    return static_cast<std::size_t>(number->value) - 1;
-  throw FileError(name, "has no column '" + printable(wanted) + "' (found: " + titles_in_words(table) + ")");
-}
-
-/// "v=speed,eps=e" -> the column that is to be `key`; absent where the text does not say.
-std::optional<std::size_t> told_column(const ForeignTable& table, const ForeignOptions& options, std::string_view key,
-                                       const std::string& name) {
-  for (const std::string_view part : cells_of(options.columns, ',')) {
-    const std::size_t equals = part.find('=');
-    if (equals == std::string_view::npos && !part.empty())
-      throw InvalidArgument("--columns: '" + printable(part) + "' is no KEY=COLUMN, such as v=speed,eps=e");
-    if (part.substr(0, equals) == key) return named_column(table, std::string(part.substr(equals + 1)), name);
-  }
-  return std::nullopt;
 }
 
 /// A number with what else is known of its place.
@@ -243,13 +161,6 @@ std::optional<Sequence> rows_of_values(const ForeignTable& table, const std::str
   return sequence;
 }
 
-/// The column that is called as in tables of ours, which somebody saved again with other separators.
-std::optional<std::size_t> own_column(const ForeignTable& table, const std::string& title) {
-  const auto found = std::find(table.titles.begin(), table.titles.end(), title);
-  if (found == table.titles.end()) return std::nullopt;
-  return static_cast<std::size_t>(found - table.titles.begin());
-}
-
 std::size_t value_column(const ForeignTable& table, const ForeignOptions& options, const std::string& name) {
   if (const auto told = told_column(table, options, "t", name)) return *told;
   if (const auto own = own_column(table, "t_s"); own && options.as != "intervals") return *own;
@@ -307,6 +218,12 @@ Sequence column_of_values(const ForeignTable& table, const ForeignOptions& optio
     if (number) sequence.values.push_back({number->value, number->rounding, number->is_clock, row.line, series});
   }
   return sequence;
+}
+
+std::vector<double> roundings_of(const std::vector<Found>& values) {
+  std::vector<double> roundings;
+  for (const Found& value : values) roundings.push_back(value.rounding);
+  return roundings;
 }
 
 /// Do the numbers fall more often than they rise? Times rise, but where a new drop begins; intervals fall.
@@ -389,43 +306,6 @@ Times times_of_intervals(const Sequence& sequence, double unit_s) {
   return times;
 }
 
-/// Digits behind the point of numbers in another unit, by their roundings: half of 10^-decimals each.
-int decimals_of(const std::vector<Found>& values, double unit) {
-  double rounding = 0.0;
-  for (const Found& value : values) rounding = rounding == 0.0 ? value.rounding : std::min(rounding, value.rounding);
-  return rounding > 0.0 ? static_cast<int>(std::clamp(std::round(-std::log10(2.0 * rounding * unit)), 0.0, 100.0)) : -1;
-}
-
-/// Columns that have our names keep them, with their values.
-void add_own_columns(const ForeignTable& foreign, const std::vector<ColumnSpec>& own, const std::string& name,
-                     Table& table) {
-  for (const ColumnSpec& spec : own) {
-    const auto column = own_column(foreign, spec.name);
-    const bool is_there = std::any_of(table.columns.begin(), table.columns.end(),
-                                      [&](const Column& column) { return column.name == spec.name; });
-    if (!column || is_there || spec.type == ColumnType::integer) continue;
-    Column values = empty_column(spec);
-    for (const ForeignTable::Row& row : foreign.rows) {
-      if (auto* texts = std::get_if<std::vector<std::string>>(&values.values)) {
-        texts->push_back(row.cells[*column]);
-        continue;
-      }
-      if (!row.cells[*column].empty() && !row.numbers[*column])
-        throw FileError(name, "line " + std::to_string(row.line) + ", column " + spec.name + ": '" +
-                                  printable(row.cells[*column]) + "' is not a number");
-      std::get<std::vector<double>>(values.values)
-          .push_back(row.numbers[*column] ? row.numbers[*column]->value : std::numeric_limits<double>::quiet_NaN());
-    }
-    table.columns.push_back(std::move(values));
-  }
-}
-
-}  // namespace
-
-namespace {
-
-std::optional<std::size_t> column_with(const ForeignTable& table, Words words, std::optional<std::size_t> except);
-
 }  // namespace
 
 std::vector<std::int64_t> drops_of(std::span<const double> t_s) {
@@ -442,8 +322,7 @@ std::vector<std::int64_t> drops_of(std::span<const double> t_s) {
 
 TakenTable onsets_from_foreign(const ForeignTable& foreign, const std::string& name, const ForeignOptions& options) {
   const std::optional<Sequence> rows = options.columns.empty() ? rows_of_values(foreign, name) : std::nullopt;
-  const auto eps = column_with(foreign, kEpsWords, {});
-  if (eps && column_with(foreign, kSpeedWords, eps) && options.as == "auto" && options.columns.empty())
+  if (holds_samples(foreign) && options.as == "auto" && options.columns.empty())
     throw FileError(name, "holds speeds and coefficients of restitution, no times; bouncelab fit takes it");
   if (!rows && uniform_step_s(foreign) && options.as == "auto")
     throw FileError(name,
@@ -463,7 +342,7 @@ TakenTable onsets_from_foreign(const ForeignTable& foreign, const std::string& n
   const std::int64_t n_drops = times.drop.back() + 1;
 
   TakenTable taken;
-  Column t{"t_s", times.t_s, decimals_of(sequence.values, unit_s)};
+  Column t{"t_s", times.t_s, decimals_of(roundings_of(sequence.values), unit_s)};
   taken.table.columns = {Column{"drop", times.drop}, std::move(t)};
   if (!are_intervals && !rows && times.t_s.size() == foreign.rows.size())
     add_own_columns(foreign, onset_columns(), name, taken.table);
@@ -478,89 +357,6 @@ TakenTable onsets_from_foreign(const ForeignTable& foreign, const std::string& n
     taken.taken_for += "; they fall, so they are no times (--as times if they are)";
   if (foreign.n_left_out > 0)
     taken.taken_for += "; " + std::to_string(foreign.n_left_out) + " lines without numbers left out";
-  return taken;
-}
-
-namespace {
-
-/// m/s in one of the unit that a title names; absent: that of another.
-std::optional<double> speed_unit_mps(const std::string& title) {
-  std::string text;
-  for (const char c : title)
-    if (c != ' ') text += c;
-  const auto has = [&](std::string_view unit) { return text.find(unit) != std::string::npos; };
-  if (has("km/h") || has("kmh") || has("kmph")) return 1.0 / 3.6;
-  if (has("mm/s") || has("mmps")) return 1e-3;
-  if (has("cm/s") || has("cmps")) return 1e-2;
-  if (has("m/s") || has("mps")) return 1.0;
-  if (has("/") || has("mph") || has("kn")) return std::nullopt;
-  return 1.0;
-}
-
-/// The one column, of those that are left, whose title has one of the words; absent: none or several.
-std::optional<std::size_t> column_with(const ForeignTable& table, Words words, std::optional<std::size_t> except) {
-  std::optional<std::size_t> found;
-  for (std::size_t k = 0; k < table.titles.size(); ++k) {
-    // of the speeds before and after an impact that before
-    if (k == except || !has_word(table.titles[k], words) || has_word(table.titles[k], kAfterWords) ||
-        2 * numbers_of(table, k).n < table.rows.size())
-      continue;
-    if (found) return std::nullopt;
-    found = k;
-  }
-  return found;
-}
-
-}  // namespace
-
-TakenTable samples_from_foreign(const ForeignTable& foreign, const std::string& name, const ForeignOptions& options) {
-  auto eps = told_column(foreign, options, "eps", name);
-  auto v = told_column(foreign, options, "v", name);
-  if (!eps) eps = own_column(foreign, "eps");
-  if (!v) v = own_column(foreign, "v_mps");
-  if (!eps) eps = column_with(foreign, kEpsWords, v);
-  if (!v) v = column_with(foreign, kSpeedWords, eps);
-  if (!eps || !v)
-    throw FileError(name, "has no columns that are plainly speed and coefficient of restitution (found: " +
-                              titles_in_words(foreign) + "); name them: --columns v=COLUMN,eps=COLUMN" +
-                              "; impact times are for bouncelab restitution");
-  const std::optional<double> unit = speed_unit_mps(title_of(foreign, *v));
-  if (!unit) throw FileError(name, column_name(foreign, *v) + " has a unit that is not known; give speeds in m/s");
-  const double unit_mps = *unit;
-  const std::string eps_title = title_of(foreign, *eps);
-  for (const std::string_view square : {"^2", "**2", "\xC2\xB2"})
-    if (eps_title.find(square) != std::string::npos)
-      throw FileError(name, column_name(foreign, *eps) + " is a square; give the coefficient of restitution itself");
-  std::vector<double> speeds, values;
-  std::vector<Found> speed_values, eps_values;
-  ForeignTable used = foreign;
-  std::erase_if(used.rows, [&](const ForeignTable::Row& row) { return !row.numbers[*v] || !row.numbers[*eps]; });
-  for (const ForeignTable::Row& row : used.rows) {
-    speeds.push_back(unit_mps * row.numbers[*v]->value);
-    values.push_back(row.numbers[*eps]->value);
-    speed_values.push_back({0.0, row.numbers[*v]->rounding});
-    eps_values.push_back({0.0, row.numbers[*eps]->rounding});
-  }
-  if (used.rows.empty()) throw FileError(name, "has no row with a speed and a coefficient of restitution");
-  if (const double typical = median(values); typical > 2.0)  // above 1 is rare, and 2 no ball has by itself
-    throw FileError(name, column_name(foreign, *eps) + ": coefficients of " + short_number(typical) +
-                              " in the median; are they per cent? Write 0.89 for 89 %");
-  TakenTable taken;
-  taken.table.columns = {Column{"v_mps", std::move(speeds), decimals_of(speed_values, unit_mps)},
-                         Column{"eps", std::move(values), decimals_of(eps_values, 1.0)}};
-  add_own_columns(used, sample_columns(), name, taken.table);
-  for (std::size_t k = 0; k < used.rows.size(); ++k) taken.table.stands_on(k, used.rows[k].line);
-  const std::size_t n_left_out = foreign.n_left_out + foreign.rows.size() - used.rows.size();
-  const std::string how = format_in_words(foreign.format, foreign.n_columns());
-  taken.taken_for = "speeds in " +
-                    std::string(unit_mps == 1.0    ? "m/s"
-                                : unit_mps == 1e-2 ? "cm/s"
-                                : unit_mps == 1e-3 ? "mm/s"
-                                                   : "km/h") +
-                    " (" + column_name(foreign, *v) + ") and coefficients of restitution (" +
-                    column_name(foreign, *eps) + (how.empty() ? "" : ", " + how) +
-                    "): " + std::to_string(used.rows.size()) + " impacts";
-  if (n_left_out > 0) taken.taken_for += "; " + std::to_string(n_left_out) + " lines without numbers left out";
   return taken;
 }
 
