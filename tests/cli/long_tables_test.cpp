@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Tables longer than the memory.
+#include <iomanip>
+
 #include "program.hpp"
 #include "support/sanitizers.hpp"
 
@@ -36,6 +38,23 @@ TEST_F(LongTables, TakeTheMemoryOfShortOnes) {
   const std::string samples = content_of(folder_ / "from_csv.csv");
   EXPECT_EQ(std::count(samples.begin(), samples.end(), '\n'), 300 * 20 * 23 + 1);
   EXPECT_TRUE(content_of(folder_ / "from_jsonl.csv") == samples);
+}
+
+TEST_F(LongTables, OfMarksTakeTenTimesTheirSize) {
+  if (test::kSanitizer != nullptr) GTEST_SKIP() << "limits on memory cannot be tested with " << test::kSanitizer;
+  std::ostringstream labels;
+  labels << std::fixed << std::setprecision(6);
+  constexpr int kMarks = 400'000;
+  for (int k = 0; k < kMarks; ++k) {  // drops of 20 impacts
+    const double t_s = 100.0 + 0.2 * k + 2.0 * (k / 20);
+    labels << t_s << '\t' << t_s << "\tm" << k % 1000 << '\n';
+  }
+  write("marks.txt", labels.str());
+  // and 20 MB for the program itself
+  const std::size_t most_kb = 20'000 + 10 * labels.str().size() / 1000;
+  const Result result = shell("ulimit -d " + std::to_string(most_kb) + " && \"$B\" restitution marks.txt --out s.csv");
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NE(result.out.find("from " + std::to_string(kMarks) + " onsets"), std::string::npos) << result.out;
 }
 
 TEST_F(LongTables, AreTheSameFileAfterEveryWayThroughTheFormats) {

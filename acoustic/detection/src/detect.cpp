@@ -147,9 +147,11 @@ std::vector<std::string> warnings_for(const Detection& d, const BandOfChannel& f
   return warnings;
 }
 
-/// @param channels  sources that may be read by several threads where n_threads is not 1
-Detection detect_in(const std::vector<audio::AudioSource>& channels, const std::string& name,
-                    const DetectionConfig& config, int n_threads, const ProgressCallback& progress) {
+/// @param channels    sources that may be read by several threads where n_threads is not 1
+/// @param with_sound  those of them that a ball may be heard in; where there are none, the first is as good as any
+Detection detect_in(const std::vector<audio::AudioSource>& channels, std::vector<int> with_sound,
+                    const std::string& name, const DetectionConfig& config, int n_threads,
+                    const ProgressCallback& progress) {
   const auto n_channels = static_cast<int>(channels.size());
   if (!(config.gravity_mps2 > 0.0 && std::isfinite(config.gravity_mps2)))
     throw InvalidArgument("gravity_mps2 " + std::to_string(config.gravity_mps2) + ": must be above 0 and finite");
@@ -159,19 +161,22 @@ Detection detect_in(const std::vector<audio::AudioSource>& channels, const std::
   if (config.channel && (*config.channel < 0 || *config.channel >= n_channels))
     throw InvalidArgument("channel " + std::to_string(*config.channel) + ": " + name + " has channels 0 to " +
                           std::to_string(n_channels - 1));
-  const auto first = static_cast<std::size_t>(config.channel.value_or(0));
-  ChosenChannel best =
-      choose_channel(std::span(channels).subspan(first, config.channel ? 1 : channels.size()), n_threads, progress);
-  const std::size_t channel = first + best.channel;
-  const audio::AudioSource& sound = channels[channel];
+  const std::string channel_reason = config.channel           ? "asked for"
+                                     : n_channels == 1        ? "the only one"
+                                     : with_sound.empty()     ? "none has sound"
+                                     : with_sound.size() == 1 ? "the only one with sound"
+                                                              : "its impacts are the most probable and rise the most";
+  if (config.channel || with_sound.empty()) with_sound = {config.channel.value_or(0)};
+  std::vector<audio::AudioSource> searched;
+  for (const int channel : with_sound) searched.push_back(channels[static_cast<std::size_t>(channel)]);
+  ChosenChannel best = choose_channel(searched, n_threads, progress);
+  const audio::AudioSource& sound = searched[best.channel];
   const BandOfChannel& band = best.band;
   Detection d;
   d.summary.rate_hz = sound.rate_hz;
   d.summary.n_channels = n_channels;
-  d.summary.channel = static_cast<int>(channel);
-  d.summary.channel_reason = config.channel    ? "asked for"
-                             : n_channels == 1 ? "the only one"
-                                               : "its impacts are the most probable and rise the most";
+  d.summary.channel = with_sound[best.channel];
+  d.summary.channel_reason = channel_reason;
   d.summary.n_gaps = static_cast<int>(sound.silences.size());
   d.summary.duration_s = static_cast<double>(sound.n_samples) / sound.rate_hz;
   d.summary.noise_rms = std::sqrt(band.models.noise.quiet_variance);
@@ -228,7 +233,10 @@ Detection detect_track(const audio::AudioReader& sound, const std::string& name,
     throw FileError(name, "has no channel " + std::to_string(*config.channel) + ", only 0 to " +
                               std::to_string(n_channels - 1) + "; choose another (--channel)");
   for (int c = 0; c < n_channels; ++c) channels.push_back(sound.source(c));
-  Detection d = detect_in(channels, name, config, n_here, progress);
+  // each takes a pass over all: of the many channels of an interface most have nothing plugged in
+  std::vector<int> with_sound{0};
+  if (n_channels > 1 && !config.channel) with_sound = sound.channels_with_sound();
+  Detection d = detect_in(channels, std::move(with_sound), name, config, n_here, progress);
   d.summary.n_tracks = sound.format().n_tracks;
   d.summary.track = sound.format().track;
   describe_format(sound.format(), config.lossy_coding, d);
@@ -311,7 +319,7 @@ Detection detect(std::span<const float> samples, double rate_hz, const std::stri
                  const ProgressCallback& progress) {
   if (!(rate_hz >= kMinRate_hz && rate_hz <= kMaxRate_hz))
     throw InvalidArgument("sampling rate " + std::to_string(rate_hz) + " Hz: must be 4 kHz to 4 MHz");
-  Detection d = detect_in({audio::source_in_memory(samples, rate_hz)}, name, config, 1, progress);
+  Detection d = detect_in({audio::source_in_memory(samples, rate_hz)}, {0}, name, config, 1, progress);
   describe_format({}, config.lossy_coding, d);
   return d;
 }

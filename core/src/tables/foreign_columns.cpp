@@ -23,7 +23,7 @@ Numbers numbers_of(const ForeignTable& table, std::size_t column) {
   Numbers result;
   std::optional<double> before;
   for (const ForeignTable::Row& row : table.rows) {
-    const auto& number = row.numbers[column];
+    const auto number = row.number(column);
     if (!number) continue;
     ++result.n;
     result.counts =
@@ -101,8 +101,8 @@ void add_own_columns(const ForeignTable& foreign, const std::vector<ColumnSpec>&
                      Table& table) {
   for (const ColumnSpec& spec : own) {
     const auto column = own_column(foreign, spec.name);
-    const bool is_there = std::any_of(table.columns.begin(), table.columns.end(),
-                                      [&](const Column& column) { return column.name == spec.name; });
+    const bool is_there =
+        std::any_of(table.columns.begin(), table.columns.end(), [&](const Column& c) { return c.name == spec.name; });
     if (!column || is_there || spec.type == ColumnType::integer) continue;
     Column values = empty_column(spec);
     for (const ForeignTable::Row& row : foreign.rows) {
@@ -110,11 +110,12 @@ void add_own_columns(const ForeignTable& foreign, const std::vector<ColumnSpec>&
         texts->push_back(row.cells[*column]);
         continue;
       }
-      if (!row.cells[*column].empty() && !row.numbers[*column])
+      const auto number = row.number(*column);
+      if (!row.cells[*column].empty() && !number)
         throw FileError(name, "line " + std::to_string(row.line) + ", column " + spec.name + ": '" +
                                   printable(row.cells[*column]) + "' is not a number");
       std::get<std::vector<double>>(values.values)
-          .push_back(row.numbers[*column] ? row.numbers[*column]->value : std::numeric_limits<double>::quiet_NaN());
+          .push_back(number ? number->value : std::numeric_limits<double>::quiet_NaN());
     }
     table.columns.push_back(std::move(values));
   }

@@ -79,13 +79,15 @@ TakenTable samples_from_foreign(const ForeignTable& foreign, const std::string& 
   std::vector<double> speeds, values;
   std::vector<double> speed_roundings, eps_roundings;
   ForeignTable used = foreign;
-  std::erase_if(used.rows, [&](const ForeignTable::Row& row) { return !row.numbers[*v] || !row.numbers[*eps]; });
-  for (const ForeignTable::Row& row : used.rows) {
-    speeds.push_back(unit_mps * row.numbers[*v]->value);
-    values.push_back(row.numbers[*eps]->value);
-    speed_roundings.push_back(row.numbers[*v]->rounding);
-    eps_roundings.push_back(row.numbers[*eps]->rounding);
-  }
+  std::erase_if(used.rows, [&](const ForeignTable::Row& row) {
+    const auto v_cell = row.number(*v), eps_cell = row.number(*eps);
+    if (!v_cell || !eps_cell) return true;
+    speeds.push_back(unit_mps * v_cell->value);
+    values.push_back(eps_cell->value);
+    speed_roundings.push_back(v_cell->rounding);
+    eps_roundings.push_back(eps_cell->rounding);
+    return false;
+  });
   if (used.rows.empty()) throw FileError(name, "has no row with a speed and a coefficient of restitution");
   if (const double typical = median(values); typical > 2.0)  // above 1 is rare, and 2 no ball has by itself
     throw FileError(name, column_name(foreign, *eps) + ": coefficients of " + short_number(typical) +

@@ -126,12 +126,8 @@ CellFormat format_of_lines(std::vector<Line> lines, const std::string& name) {
 }
 
 ForeignTable::Row row_of(const Line& line, const CellFormat& format) {
-  ForeignTable::Row row{line.number, {}, {}};
-  for (const std::string_view cell : cells_of(line.text, format.separator)) {
-    row.cells.emplace_back(cell);
-    row.numbers.push_back(number_of(cell, format.decimal));
-  }
-  return row;
+  const std::vector<std::string_view> cells = cells_of(line.text, format.separator);
+  return {line.number, format.decimal, {cells.begin(), cells.end()}};
 }
 
 }  // namespace
@@ -145,9 +141,12 @@ ForeignTable read_foreign_table(std::string_view text, const std::string& name) 
   if (n_cells > kMostColumns)
     throw FileError(
         name, "has " + std::to_string(n_cells) + " columns; at most " + std::to_string(kMostColumns) + " are read");
+  table.rows.reserve(lines.size());
   for (const Line& line : lines) {
     ForeignTable::Row row = row_of(line, table.format);
-    const bool has_number = std::any_of(row.numbers.begin(), row.numbers.end(), [](const auto& n) { return n; });
+    const bool has_number = std::any_of(row.cells.begin(), row.cells.end(), [&](const std::string& cell) {
+      return number_of(cell, table.format.decimal).has_value();
+    });
     // once the rows have begun, one without a number is among them too: who takes its column refuses it
     const bool has_cells = row.cells.size() == n_cells;
     const bool is_row = table.rows.empty() ? has_number && has_cells : has_number || has_cells;
@@ -164,7 +163,6 @@ ForeignTable read_foreign_table(std::string_view text, const std::string& name) 
       continue;
     }
     row.cells.resize(std::max(row.cells.size(), n_cells));
-    row.numbers.resize(row.cells.size());
     table.rows.push_back(std::move(row));
   }
   return table;
@@ -177,7 +175,7 @@ std::optional<double> uniform_step_s(const ForeignTable& table) {
   for (std::size_t column = 0; column < table.n_columns(); ++column) {
     std::vector<NumberCell> times;
     for (const ForeignTable::Row& row : table.rows)
-      if (row.numbers[column]) times.push_back(*row.numbers[column]);
+      if (const auto number = row.number(column)) times.push_back(*number);
     if (times.size() < table.rows.size()) continue;
     const double step = times[1].value - times[0].value;
     if (!(step > 0.0)) return std::nullopt;

@@ -111,14 +111,14 @@ bool are_columns_of_drops(const ForeignTable& table, const std::vector<std::size
   for (const std::size_t k : columns) {
     std::vector<double> down;
     for (const ForeignTable::Row& row : table.rows)
-      if (row.numbers[k]) down.push_back(row.numbers[k]->value);
+      if (const auto number = row.number(k)) down.push_back(number->value);
     n_up += std::is_sorted(down.begin(), down.end()) ? 1 : 0;
     n_down += std::is_sorted(down.rbegin(), down.rend()) ? 1 : 0;
   }
   for (const ForeignTable::Row& row : table.rows) {
     std::vector<double> along;
     for (const std::size_t k : columns)
-      if (row.numbers[k]) along.push_back(row.numbers[k]->value);
+      if (const auto number = row.number(k)) along.push_back(number->value);
     n_ordered_rows +=
         std::is_sorted(along.begin(), along.end()) || std::is_sorted(along.rbegin(), along.rend()) ? 1 : 0;
   }
@@ -129,7 +129,7 @@ bool are_columns_of_drops(const ForeignTable& table, const std::vector<std::size
 std::optional<Sequence> rows_of_values(const ForeignTable& table, const std::string& name) {
   std::vector<std::size_t> columns;
   for (std::size_t k = 0; k < table.n_columns(); ++k)
-    if (table.rows.front().numbers[k] && !says_other(title_of(table, k)) && !has_word(title_of(table, k), kDropWords))
+    if (table.rows.front().number(k) && !says_other(title_of(table, k)) && !has_word(title_of(table, k), kDropWords))
       columns.push_back(k);
   const auto is_numbered = [&](std::size_t k) {
     return title_of(table, k).find_first_of("0123456789") != std::string::npos;
@@ -147,7 +147,7 @@ std::optional<Sequence> rows_of_values(const ForeignTable& table, const std::str
   sequence.from = table.rows.size() == 1 ? "a row" : "a row for each drop";
   for (std::size_t row = 0; row < table.rows.size(); ++row)
     for (const std::size_t k : columns) {
-      const auto& number = table.rows[row].numbers[k];
+      const auto number = table.rows[row].number(k);
       // what has not been measured is 0 in exports of phyphox
       const bool is_unset = number && number->value == 0.0 && k != columns.front();
       if (!number || is_unset) continue;
@@ -199,6 +199,7 @@ Sequence column_of_values(const ForeignTable& table, const ForeignOptions& optio
   std::int64_t series = 0;
   std::string before;
   const ForeignTable::Row* unknown = nullptr;  // of this series, behind a number
+  sequence.values.reserve(table.rows.size());
   for (const ForeignTable::Row& row : table.rows) {
     if (drops && row.cells[*drops] != before) {
       series += before.empty() ? 0 : 1;
@@ -206,7 +207,7 @@ Sequence column_of_values(const ForeignTable& table, const ForeignOptions& optio
       unknown = nullptr;
     }
     const bool follows = !sequence.values.empty() && sequence.values.back().series == series;
-    const auto& number = row.numbers[column];
+    const auto number = row.number(column);
     if (!number && (follows || !is_unknown(row.cells[column])) && !unknown) unknown = &row;
     // without it the intervals around would be one; behind the last impact a cell may be empty
     if (unknown && (number || !is_unknown(unknown->cells[column])))
@@ -338,21 +339,21 @@ TakenTable onsets_from_foreign(const ForeignTable& foreign, const std::string& n
     if (are_intervals && !(value.value > 0.0))
       throw FileError(name, "line " + std::to_string(value.line) + ": an interval of " + short_number(value.value) +
                                 "; intervals are above 0. Are these times? Say --as times");
-  const Times times = are_intervals ? times_of_intervals(sequence, unit_s) : times_of_times(sequence, unit_s);
+  Times times = are_intervals ? times_of_intervals(sequence, unit_s) : times_of_times(sequence, unit_s);
   const std::int64_t n_drops = times.drop.back() + 1;
 
   TakenTable taken;
-  Column t{"t_s", times.t_s, decimals_of(roundings_of(sequence.values), unit_s)};
-  taken.table.columns = {Column{"drop", times.drop}, std::move(t)};
-  if (!are_intervals && !rows && times.t_s.size() == foreign.rows.size())
+  const std::size_t n_impacts = times.t_s.size();
+  taken.table.columns.push_back({"drop", std::move(times.drop)});
+  taken.table.columns.push_back({"t_s", std::move(times.t_s), decimals_of(roundings_of(sequence.values), unit_s)});
+  if (!are_intervals && !rows && n_impacts == foreign.rows.size())
     add_own_columns(foreign, onset_columns(), name, taken.table);
-  for (std::size_t k = 0; k < times.t_s.size() && !are_intervals; ++k)
-    taken.table.stands_on(k, sequence.values[k].line);
+  for (std::size_t k = 0; k < n_impacts && !are_intervals; ++k) taken.table.stands_on(k, sequence.values[k].line);
   std::string how = format_in_words(foreign.format, foreign.n_columns());
   if (!sequence.from.empty()) how = sequence.from + (how.empty() ? "" : ", " + how);
   taken.taken_for = std::string(are_intervals ? "intervals" : "times") + (unit == "clock times" ? ", " : " in ") +
-                    unit + (how.empty() ? "" : " (" + how + ")") + ": " + std::to_string(times.t_s.size()) +
-                    " impacts in " + std::to_string(n_drops) + (n_drops == 1 ? " drop" : " drops");
+                    unit + (how.empty() ? "" : " (" + how + ")") + ": " + std::to_string(n_impacts) + " impacts in " +
+                    std::to_string(n_drops) + (n_drops == 1 ? " drop" : " drops");
   if (are_intervals && !told && !sequence.says_intervals)
     taken.taken_for += "; they fall, so they are no times (--as times if they are)";
   if (foreign.n_left_out > 0)

@@ -91,6 +91,24 @@ TEST_F(AudioReaderTest, ReadsEachChannelAnywhereAcrossItsBuffers) {
   }
 }
 
+TEST_F(AudioReaderTest, KnowsTheChannelsThatHaveSound) {
+  constexpr std::size_t kChannels = 5, kFrames = 10000;  // more than are read at once
+  std::vector<float> x(kChannels * kFrames, 0.0F);
+  for (std::size_t k = 0; k < kFrames; ++k) {
+    x[kChannels * k + 1] = 0.25F;  // an offset, no sound
+    x[kChannels * k + 3] = static_cast<float>(k % 2);
+  }
+  const auto channels_with_sound = [&] {
+    return AudioReader(write("channels.wav", SF_FORMAT_WAV | SF_FORMAT_FLOAT, 48000, kChannels, x))
+        .channels_with_sound();
+  };
+  EXPECT_EQ(channels_with_sound(), std::vector<int>{3});
+  x[kChannels * (kFrames - 1) + 2] = 1e-6F;  // the last sample alone
+  EXPECT_EQ(channels_with_sound(), (std::vector<int>{2, 3}));
+  std::fill(x.begin(), x.end(), 0.0F);
+  EXPECT_TRUE(channels_with_sound().empty());
+}
+
 TEST_F(AudioReaderTest, ReadsTheSamplesAndTheFormatThatLibsndfileFinds) {
   // either end of the scale, and more frames than are read at once, by a number that no vector divides
   constexpr int kChannels = 3;

@@ -27,7 +27,7 @@ class TableInMemory final : public TableReader {
   Table next(std::size_t max_rows) override {
     if (at_ == 0 && table_.n_rows() <= max_rows) {
       at_ = table_.n_rows();
-      return table_;
+      return std::exchange(table_, {});
     }
     Table piece;
     const std::size_t end = std::min(table_.n_rows(), at_ + std::min(max_rows, table_.n_rows()));
@@ -110,11 +110,13 @@ std::unique_ptr<TableReader> open_onsets(const fs::path& path, const ForeignFile
       if (!options.recording.empty()) marks->recording = options.recording;
       if (marks->points.empty()) throw FileError(input_name(path), "holds no marks");
       if (!marks->taken_for.empty()) taken_for.push_back(line_of(path, marks->taken_for));
-      return std::make_unique<TableInMemory>(to_table(audio::onsets_of(*marks, options.renumber)));
+      const Onsets onsets = audio::onsets_of(*std::move(marks), options.renumber);
+      return std::make_unique<TableInMemory>(to_table(onsets));
     }
   }
   const std::string name = input_name(path);
-  TakenTable taken = onsets_from_foreign(read_foreign_table(decoded_text(whole_content(path), name), name), name, said);
+  const std::string text = decoded_text(whole_content(path), name);
+  TakenTable taken = onsets_from_foreign(read_foreign_table(text, name), name, said);
   taken_for.push_back(line_of(path, taken.taken_for));
   return std::make_unique<TableInMemory>(std::move(taken.table));
 }

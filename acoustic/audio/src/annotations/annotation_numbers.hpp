@@ -52,7 +52,7 @@ struct Tier {
 /// The one that is wanted, by name or by number from 1, else the one that looks most like impacts: that has our labels,
 /// or of whose intervals the most shrink as those of a bouncing ball. Says which it is where there are several.
 /// @param what  "tier", "layer". @throws FileError naming all where there is none of this name
-Annotations chosen(const std::vector<Tier>& tiers, const std::string& wanted, const std::string& what,
+Annotations chosen(std::vector<Tier> tiers, const std::string& wanted, const std::string& what,
                    const std::string& file);
 
 }  // namespace bouncelab::audio

@@ -96,10 +96,32 @@ Onset onset_of(const Annotation& point, const Labelled& labelled, double resolut
   return moved;
 }
 
-std::vector<Annotation> by_time(std::vector<Annotation> points) {
+void sort_by_time(std::vector<Annotation>& points) {
   std::stable_sort(points.begin(), points.end(),
                    [](const Annotation& a, const Annotation& b) { return a.t_s < b.t_s; });
-  return points;
+}
+
+/// Are the labels of points in order of time the numbers of drops and impacts that annotations_of() writes? Those with
+/// a time are; those without have to begin each drop with its impact 0 and to rise from there: bars and beats (1.1,
+/// 1.2) and heights do not.
+bool are_numbered(const std::vector<Annotation>& points) {
+  if (std::any_of(points.begin(), points.end(), [](const Annotation& point) {
+        const auto labelled = read_label(point.label);
+        return labelled && labelled->t_s;
+      }))
+    return true;
+  std::map<std::int64_t, std::int64_t> last;  // impact, by drop
+  bool any = false;
+  for (const Annotation& point : points) {
+    const auto labelled = read_label(point.label);
+    if (!labelled) continue;
+    const auto before = last.find(labelled->onset.drop);
+    const std::int64_t impact = labelled->onset.impact;
+    if (before == last.end() ? impact != 0 : impact <= before->second) return false;
+    last[labelled->onset.drop] = impact;
+    any = true;
+  }
+  return any;
 }
 
 /// By time: each number at least one above that before it in its drop.
@@ -114,7 +136,7 @@ void number_upwards(Onsets& onsets, bool renumber) {
 
 }  // namespace
 
-Annotations chosen(const std::vector<Tier>& tiers, const std::string& wanted, const std::string& what,
+Annotations chosen(std::vector<Tier> tiers, const std::string& wanted, const std::string& what,
                    const std::string& file) {
   std::size_t best = tiers.size();
   double most = -1.0;
@@ -122,16 +144,16 @@ Annotations chosen(const std::vector<Tier>& tiers, const std::string& wanted, co
   for (std::size_t k = 0; k < tiers.size(); ++k) {
     const std::string number = std::to_string(k + 1);
     names += (k == 0 ? "" : ", ") + (tiers[k].name.empty() ? number : "'" + printable(tiers[k].name, 60) + "'");
-    Annotations one;
-    one.points = by_time(tiers[k].points);
-    double n_shrink = static_cast<double>(one.points.size()) * 1e-3;  // the fuller of two that have none
-    for (std::size_t j = 2; j < one.points.size(); ++j) {
-      const double before_s = one.points[j - 1].t_s - one.points[j - 2].t_s;
-      const double here_s = one.points[j].t_s - one.points[j - 1].t_s;
+    std::vector<Annotation>& points = tiers[k].points;
+    sort_by_time(points);
+    double n_shrink = static_cast<double>(points.size()) * 1e-3;  // the fuller of two that have none
+    for (std::size_t j = 2; j < points.size(); ++j) {
+      const double before_s = points[j - 1].t_s - points[j - 2].t_s;
+      const double here_s = points[j].t_s - points[j - 1].t_s;
       constexpr double kLeast = 0.2, kMost = 1.1;  // ratios of a ball's intervals, with what hands make of them
       if (here_s > kLeast * before_s && here_s < kMost * before_s) n_shrink += 1.0;
     }
-    if (are_numbered(one)) n_shrink += 1e9;
+    if (are_numbered(points)) n_shrink += 1e9;
     const bool is_wanted = wanted.empty() ? n_shrink > most : tiers[k].name == wanted || number == wanted;
     if (!is_wanted || (!wanted.empty() && best < k)) continue;
     best = k;
@@ -140,7 +162,7 @@ Annotations chosen(const std::vector<Tier>& tiers, const std::string& wanted, co
   if (best == tiers.size())
     throw FileError(file, "has no " + what + " '" + printable(wanted) + "' (found: " + names + ")");
   Annotations result;
-  result.points = tiers[best].points;
+  result.points = std::move(tiers[best].points);
   if (tiers.size() > 1)
     result.taken_for =
         what + " " +
@@ -188,34 +210,15 @@ Annotations completed(Annotations annotations, const Onsets& onsets) {
   return annotations;
 }
 
-bool are_numbered(const Annotations& annotations) {
-  const auto& points = annotations.points;
-  if (std::any_of(points.begin(), points.end(), [](const Annotation& point) {
-        const auto labelled = read_label(point.label);
-        return labelled && labelled->t_s;
-      }))
-    return true;
-  std::map<std::int64_t, std::int64_t> last;  // impact, by drop
-  bool any = false;
-  for (const Annotation& point : by_time(annotations.points)) {
-    const auto labelled = read_label(point.label);
-    if (!labelled) continue;
-    const auto before = last.find(labelled->onset.drop);
-    const std::int64_t impact = labelled->onset.impact;
-    if (before == last.end() ? impact != 0 : impact <= before->second) return false;
-    last[labelled->onset.drop] = impact;
-    any = true;
-  }
-  return any;
-}
-
 namespace {
 
+/// @param annotations  by time
 Onsets marks_by_hand(const Annotations& annotations) {
   std::vector<double> t_s;
-  for (const Annotation& point : by_time(annotations.points)) t_s.push_back(point.t_s);
+  for (const Annotation& point : annotations.points) t_s.push_back(point.t_s);
   const std::vector<std::int64_t> drops = drops_of(t_s);
   Onsets onsets;
+  onsets.reserve(t_s.size());
   for (std::size_t k = 0; k < t_s.size(); ++k) {
     Onset onset;
     onset.recording = annotations.recording;
@@ -230,13 +233,15 @@ Onsets marks_by_hand(const Annotations& annotations) {
 
 }  // namespace
 
-Onsets onsets_of(const Annotations& annotations, bool renumber) {
+Onsets onsets_of(Annotations annotations, bool renumber) {
   if (annotations.points.empty()) throw InvalidArgument("there are no annotations");
-  if (!are_numbered(annotations)) return marks_by_hand(annotations);
+  sort_by_time(annotations.points);
+  if (!are_numbered(annotations.points)) return marks_by_hand(annotations);
   Onsets onsets;
+  onsets.reserve(annotations.points.size());
   std::optional<std::int64_t> drop;
   std::size_t n_before_any_drop = 0;
-  for (const Annotation& point : by_time(annotations.points)) {
+  for (const Annotation& point : annotations.points) {
     Onset onset;
     if (const auto labelled = read_label(point.label)) {
       onset = onset_of(point, *labelled, annotations.resolution_s);

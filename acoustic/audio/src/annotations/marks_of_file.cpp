@@ -29,7 +29,8 @@ Marks marks_in(std::string_view head) {
 bool are_labels(const ForeignTable& table) {
   if (!table.titles.empty() || table.format.separator != '\t' || table.n_columns() < 2) return false;
   return std::all_of(table.rows.begin(), table.rows.end(), [](const ForeignTable::Row& row) {
-    return row.numbers[0] && row.numbers[1] && row.numbers[1]->value >= row.numbers[0]->value;
+    const auto begin = row.number(0), end = row.number(1);
+    return begin && end && end->value >= begin->value;
   });
 }
 
@@ -70,9 +71,9 @@ Onsets onsets_of_file(std::string_view bytes, const std::string& name, const For
       std::istringstream in{std::string(bytes)};
       return onsets_from_table(read_csv(in, name, onset_columns()), name);
     }
-    if (const std::optional<Annotations> marks = marks_of_file(bytes, name, tier)) {
-      taken_for = marks->taken_for;
-      return onsets_of(*marks, false);
+    if (std::optional<Annotations> marks = marks_of_file(bytes, name, tier)) {
+      taken_for = std::move(marks->taken_for);
+      return onsets_of(*std::move(marks), false);
     }
   }
   TakenTable taken = onsets_from_foreign(read_foreign_table(decoded_text(bytes, name), name), name, options);

@@ -104,7 +104,7 @@ Annotations parse_sonic_visualiser_layer(std::string_view text, const std::strin
         {checked_time(number_of(node, "frame", name) / rate_hz, name, place), node.attribute("label").value()});
   }
   if (rate_hz == 0.0) throw FileError(name, "is not a layer of Sonic Visualiser: no model with a sampleRate");
-  Annotations result = layers.empty() ? Annotations{} : chosen(layers, layer, "layer", name);
+  Annotations result = layers.empty() ? Annotations{} : chosen(std::move(layers), layer, "layer", name);
   result.recording = recording;
   result.resolution_s = 1.0 / rate_hz;
   return result;

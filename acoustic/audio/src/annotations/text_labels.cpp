@@ -124,9 +124,10 @@ Annotations parse_text_grid(std::string_view text, const std::string& name, cons
   if (tiers.empty())
     throw FileError(name,
                     "has no point tier; in Praat: Annotate, To TextGrid with the tier's name under 'point tiers'");
-  Annotations result = chosen(tiers, tier, "tier", name);
   // the tier that this program writes has the recording's name
-  if (tiers.size() == 1) result.recording = tiers.front().name;
+  const std::string recording = tiers.size() == 1 ? tiers.front().name : std::string();
+  Annotations result = chosen(std::move(tiers), tier, "tier", name);
+  result.recording = recording;
   result.resolution_s = 1e-9;
   return result;
 }
@@ -152,15 +153,17 @@ Annotations labels_of(const ForeignTable& table, const std::string& name) {
   if (table.n_left_out > 0)
     throw FileError(name, "line " + std::to_string(table.first_left_out) +
                               " begins with no time; a label of Audacity is begin, end and text with tabs between");
+  result.points.reserve(table.rows.size());
   for (const ForeignTable::Row& row : table.rows) {
     const std::string place = "line " + std::to_string(row.line);
-    if (!row.numbers[0])
+    const auto t = row.number(0);
+    if (!t)
       throw FileError(name, place + ": '" + printable(row.cells[0]) +
                                 "' is no time; a label of Audacity is begin, end and text with tabs between");
     Annotation point;
-    point.t_s = checked_time(row.numbers[0]->value, name, place);
+    point.t_s = checked_time(t->value, name, place);
     // begin, end, text: a text in front of them would have no number
-    if (row.cells.size() > 2 || (row.cells.size() == 2 && !row.numbers[1])) point.label = row.cells.back();
+    if (row.cells.size() > 2 || (row.cells.size() == 2 && !row.number(1))) point.label = row.cells.back();
     std::replace(point.label.begin(), point.label.end(), '\t', ' ');  // which would part it when it is written
     result.points.push_back(std::move(point));
   }

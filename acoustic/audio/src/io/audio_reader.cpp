@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <fstream>
 #include <memory>
+#include <numeric>
 #include <optional>
 #include <span>
 #include <vector>
@@ -17,6 +18,11 @@
 #include "io/sound_header.hpp"
 
 namespace bouncelab::audio {
+namespace {
+
+constexpr std::int64_t kFramesAtOnce = 1 << 12;  // 16 kB of one channel: stays in the cache
+
+}  // namespace
 
 struct AudioReader::State {
   ReadableFile file;
@@ -90,7 +96,6 @@ AudioReader::~AudioReader() = default;
 const AudioFormat& AudioReader::format() const { return state_->info; }
 
 void AudioReader::read(std::int64_t first, int channel, std::span<float> out) const {
-  constexpr std::int64_t kFramesAtOnce = 1 << 12;  // 16 kB of one channel: stays in the cache
   const SoundInfo& info = state_->info;
   const std::int64_t n = std::ssize(out), n_channels = info.n_channels;
   if (first < 0 || n > info.n_frames - first || channel < 0 || channel >= n_channels)
@@ -105,6 +110,29 @@ void AudioReader::read(std::int64_t first, int channel, std::span<float> out) co
     const float* from = frames.data() + channel;
     for (std::int64_t k = 0; k < n_here; ++k, from += n_channels) out[static_cast<std::size_t>(done + k)] = *from;
   }
+}
+
+std::vector<int> AudioReader::channels_with_sound() const {
+  const SoundInfo& info = state_->info;
+  const auto n_channels = static_cast<std::size_t>(info.n_channels);
+  std::vector<int> silent(n_channels), with_sound;
+  std::iota(silent.begin(), silent.end(), 0);
+  std::vector<float> first, frames;
+  for (std::int64_t done = 0; done < info.n_frames && !silent.empty(); done += kFramesAtOnce) {
+    frames.resize(static_cast<std::size_t>(std::min(info.n_frames - done, kFramesAtOnce)) * n_channels);
+    state_->read(done, frames);
+    if (done == 0) first.assign(frames.begin(), frames.begin() + info.n_channels);
+    std::erase_if(silent, [&](int channel) {
+      for (auto k = static_cast<std::size_t>(channel); k < frames.size(); k += n_channels)
+        if (frames[k] != first[static_cast<std::size_t>(channel)]) {
+          with_sound.push_back(channel);
+          return true;
+        }
+      return false;
+    });
+  }
+  std::sort(with_sound.begin(), with_sound.end());
+  return with_sound;
 }
 
 AudioSource AudioReader::source(int channel) const {

@@ -46,8 +46,10 @@ bool is_time_title(std::string_view title);
 struct ForeignTable {
   struct Row {
     std::size_t line = 0;  ///< of the file, from 1
+    char decimal = '.';
     std::vector<std::string> cells;
-    std::vector<std::optional<NumberCell>> numbers;  ///< of the cells that are some
+    /// That of a cell, where it is one.
+    std::optional<NumberCell> number(std::size_t column) const { return number_of(cells[column], decimal); }
   };
   CellFormat format;
   std::vector<std::string> titles;  ///< of the columns; empty where no line names them

@@ -51,15 +51,10 @@ Annotations completed(Annotations annotations, const Onsets& onsets);
 /// resolution, the onset is restored as it was. If not, the point was moved by hand: its time is used, standard error
 /// and amplitude are unknown, and its only flag is `by_hand`. The same holds for a point without DROP.IMPACT, which
 /// joins the drop of the point before it. Impacts keep their numbers, moved up where a point was inserted.
-/// Where the labels are not numbered so (are_numbered), all points are marks made by hand, and drops are drops_of()
-/// their times.
+/// Where the labels are not numbered so, all points are marks made by hand, and drops are drops_of() their times.
 /// @param renumber  number the impacts of each drop anew by time: for points that were deleted
 /// @throws InvalidArgument if there are no points
-Onsets onsets_of(const Annotations& annotations, bool renumber);
-
-/// Are the labels the numbers of drops and impacts that annotations_of() writes? Those with a time are; those without
-/// have to begin each drop with its impact 0 and to rise from there: bars and beats (1.1, 1.2) and heights do not.
-bool are_numbered(const Annotations& annotations);
+Onsets onsets_of(Annotations annotations, bool renumber);
 
 // ---- any of these, by the content of the file
 

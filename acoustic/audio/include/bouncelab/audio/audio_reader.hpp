@@ -81,6 +81,10 @@ class AudioReader {
   /// @throws InvalidArgument outside the file; FileError where it ends early or a sample is not finite
   void read(std::int64_t first, int channel, std::span<float> out) const;
 
+  /// The channels whose samples are not all the same, in order. Reads no further than to where each has two values.
+  /// @throws FileError as read()
+  std::vector<int> channels_with_sound() const;
+
   /// One channel as an AudioSource; it refers to this reader, which must outlive it.
   AudioSource source(int channel) const;
 
