@@ -142,6 +142,22 @@ void warn_of_rows_left_out(const LeftOut& left_out, std::vector<std::string>& wa
   }
 }
 
+/// Few are told where the flags were set; of many it is likelier that the rule is wrong.
+void warn_of_wrong_intervals(const RestitutionSamples& used, const LeftOut& left_out,
+                             std::vector<std::string>& warnings) {
+  constexpr double kMany = 0.2;
+  std::size_t n = 0, n_all = used.size();
+  for (const auto& [reason, n_here] : left_out.n) {
+    n_all += n_here;
+    if (reason == name_of(Flag::missing_impact) || reason == name_of(Flag::extra_impact)) n += n_here;
+  }
+  if (static_cast<double>(n) > kMany * static_cast<double>(n_all))
+    warnings.push_back(
+        formatted("%zu of %zu bounces are left out, since their intervals look as if an impact was missed "
+                  "or is none: look at the times there",
+                  n, n_all));
+}
+
 void warn_of_mixed_conditions(const RestitutionSamples& used, std::vector<std::string>& warnings) {
   const auto differs = [&](const RestitutionSample& s) { return s.conditions != used.front().conditions; };
   const auto n = std::count_if(used.begin(), used.end(), differs);
@@ -157,6 +173,7 @@ void warn_of_all_samples(const RestitutionSamples& used, const LeftOut& left_out
   if (auto twice = warning_of_repeated_drops(used)) warnings.push_back(*std::move(twice));
   warn_of_samples(used, warnings);
   warn_of_rows_left_out(left_out, warnings);
+  warn_of_wrong_intervals(used, left_out, warnings);
   warn_of_mixed_conditions(used, warnings);
 }
 

@@ -332,7 +332,10 @@ TEST_F(ForeignFiles, SpeedsInOtherUnitsAndSquaresOfTheCoefficientAreRefused) {
   for (const auto& [titles, words] : {std::pair{"speed (mph),e", "unit that is not known"},
                                       {"v (ft/s),e", "unit that is not known"},
                                       {"speed (knots),e", "unit that is not known"},
-                                      {"v (m/s),e^2", "is a square"}}) {
+                                      {"v (m/s),e^2", "no columns that are plainly speed"},
+                                      {"v (m/s),1-e", "no columns that are plainly speed"},
+                                      {"v_t (m/s),e", "no columns that are plainly speed"},
+                                      {"ln(v),e", "no columns that are plainly speed"}}) {
     write("v.csv", std::string(titles) + "\n2,0.8\n1.6,0.8\n1.3,0.8\n1,0.8\n");
     expect_one_line_error(run("fit v.csv --out f.json"), 3, {"v.csv", words});
   }

@@ -271,6 +271,47 @@ TEST(ForeignTable, ThatCannotBeToldIsRefusedWithTheRemedy) {
               testing::AllOf(HasSubstr("'when'"), HasSubstr("column 'a', column 'b'")));
 }
 
+TEST(ForeignTable, OfWhatIsComputedOfTimesIsRefused) {
+  for (const char* title :
+       {"T^2 (s^2)", "sqrt(interval)", "1/T (1/s)", "interval rate (Hz)", "half interval (s)", "Contact time (ms)",
+        "sigma_t (s)", "Time (10^-3 s)", "Time (x0.1 s)", "Time (1/100 s)", "1 - dt", "t\xC2\xB2", "log time"}) {
+    EXPECT_THAT(refusal(std::string(title) + "\n0.6\n0.5\n0.43\n0.36\n"), HasSubstr("--columns t=COLUMN")) << title;
+    // beside times it is not taken for them
+    EXPECT_EQ(read("Time (s);" + std::string(title) + "\n1.0;0.6\n1.6;0.5\n2.1;0.43\n")[1].t_s, 1.6) << title;
+  }
+  for (const char* title : {"Run 1 - Time (s)", "Time [s]", "t / s", "T1", "Time (run 1)", "Time/s", "(t)"})
+    EXPECT_EQ(read(std::string(title) + "\n1.0\n1.6\n2.1\n2.5\n")[1].t_s, 1.6) << title;
+  EXPECT_NEAR(read("time (ds)\n10\n16\n21\n25\n")[1].t_s, 1.6, 1e-12);
+}
+
+TEST(ForeignTable, WithAGapInARowIsRefused) {
+  for (const char* nothing : {"", "0", "NaN", "-"})
+    EXPECT_THAT(refusal("T1,T2,T3,T4,T5\n.4,.3,.25,.2,.16\n.4,.3," + std::string(nothing) + ",.2,.16\n"),
+                HasSubstr("line 3, column 'T3': nothing is written between two numbers"));
+  EXPECT_THAT(refusal("T1,T2,T3,T4\n.4,,.25,.2\n.4,,.25,.2\n"), HasSubstr("column 'T2': nothing is written"));
+  EXPECT_EQ(read("T1,T2,T3,T4,T5\n.4,.3,.25,.2,.16\n.4,.3,.25,,\n").size(), 10U);
+}
+
+TEST(ForeignTable, ADropGoesOnInTheEmptyCellsOfAMergedOne) {
+  const Onsets onsets = read("drop;time (s)\n1;1.0\n;1.4\n;1.7\n2;5.0\n;5.4\n;5.7\n");
+  ASSERT_EQ(onsets.size(), 6U);
+  EXPECT_EQ(onsets[2].drop, onsets[0].drop);
+  EXPECT_EQ(onsets[5].drop, onsets[3].drop);
+  EXPECT_NE(onsets[3].drop, onsets[0].drop);
+}
+
+TEST(ForeignTable, ItsTimesAreTheColumnThatSaysSo) {
+  // a number of the impact that begins anew, or has a gap
+  EXPECT_EQ(read("impact,time (s)\n0,1.0\n1,1.6\n5,2.1\n6,2.5\n")[1].t_s, 1.6);
+  // thousands separators are no numbers: what stands beside them is not taken instead
+  EXPECT_THAT(refusal("Peak;Time (ms)\n0.9;1,000.0\n0.8;1,395.7\n0.7;1,712.8\n"),
+              HasSubstr("line 2, column 'Time (ms)': '1,000.0' is no number"));
+  EXPECT_THAT(refusal("Peak;Time (ms)\n0,9;1,000\n0,8;1,395\n0,7;1,712\n"), HasSubstr("does a comma part thousands?"));
+  EXPECT_THAT(refusal("Time ball 1 (s),Time ball 2 (s)\n1.0,10.0\n1.6,10.5\n2.1,10.9\n"),
+              HasSubstr("a column for each drop"));
+  EXPECT_THAT(refusal("time\n1000 ms\n1396 ms\n1.711 s\n1.961 s\n"), HasSubstr("a unit beside its number"));
+}
+
 TEST(ForeignTable, OfSpeedsAndCoefficientsIsFoundByItsTitlesOrTold) {
   const auto samples = [](const std::string& text, const std::string& columns = {}) {
     ForeignOptions options;
@@ -285,6 +326,10 @@ TEST(ForeignTable, OfSpeedsAndCoefficientsIsFoundByItsTitlesOrTold) {
   EXPECT_NEAR(german[1].sigma_eps.value_or(0.0), 0.001 / std::sqrt(12.0), 1e-12);  // of its three decimals
   EXPECT_EQ(samples("a\tb\n0.9\t1.2\n0.8\t1.0\n", "eps=a,v=2")[1].v_mps, 1.0);
   EXPECT_THROW(samples("a\tb\n0.9\t1.2\n"), FileError);
+  // our own as a spreadsheet saves it
+  EXPECT_EQ(samples("drop;impact;v_mps;eps\n0;1;1,2;0,8\n1;3;1,0;0,8\n")[1].drop, 1);
+  EXPECT_EQ(samples("drop;impact;v_mps;eps\n0;1;1,2;0,8\n1;3;1,0;0,8\n")[1].impact, 3);
+  EXPECT_EQ(samples("drop;v_mps;eps\nfirst;1,2;0,8\nsecond;1,0;0,8\n").size(), 2U);
   try {
     samples("v;e\n1.2;89\n1.0;90\n0.8;91\n");
     FAIL() << "per cent were taken";

@@ -4,8 +4,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <vector>
+
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/impacts.hpp"
+#include "bouncelab/core/random.hpp"
 
 namespace bouncelab {
 namespace {
@@ -51,6 +55,43 @@ TEST(Flags, AreFoundByTheWordsThatTheyWrite) {
   }
   EXPECT_FALSE(flag_named("clip").has_value());
   EXPECT_FALSE(flag_named("").has_value());
+}
+
+/// Standard error that times of one drop get, written with `decimals`.
+std::optional<double> sigma_of(const std::vector<double>& t_s, int decimals) {
+  Table table;
+  table.columns.push_back({"t_s", std::vector<double>{}, decimals});
+  const double digit_s = std::pow(10.0, -decimals);
+  for (const double t : t_s)
+    std::get<std::vector<double>>(table.columns[0].values).push_back(digit_s * std::round(t / digit_s));
+  const Onsets onsets = onsets_from_table(table, "t.csv");
+  for (const Onset& onset : onsets) EXPECT_EQ(onset.sigma_t_s, onsets.front().sigma_t_s);
+  return onsets.front().sigma_t_s;
+}
+
+TEST(Onsets, OnAGridThatTheirDigitsHideHaveItsStandardError) {
+  Random rng(1, RandomStream::test, 0);
+  int n = 0, n_coarser = 0;  // all may be even by chance, and so on a grid of half the places
+  for (int drop = 0; drop < 200; ++drop) {
+    std::vector<double> t_s{rng.uniform()};
+    for (double flight_s = 0.8; t_s.size() < 8; flight_s *= 0.8) t_s.push_back(t_s.back() + flight_s);
+    EXPECT_FALSE(sigma_of(t_s, 6)) << drop;  // any times: the chance of a grid is 1e-6
+    for (const double rate_hz : {24.0, 30.0, 30.0 / 1.001, 240.0, 1000.0}) {
+      std::vector<double> on_grid;
+      for (const double t : t_s) on_grid.push_back(std::round(t * rate_hz) / rate_hz);
+      for (const int decimals : {6, 9}) {
+        const auto sigma_s = sigma_of(on_grid, decimals);
+        ASSERT_TRUE(sigma_s) << rate_hz << " Hz, " << decimals << " decimals";
+        const double ratio = *sigma_s * std::sqrt(12.0) * rate_hz;
+        EXPECT_NEAR(ratio, std::max(1.0, std::round(ratio)), 2e-3) << rate_hz;
+        n += 1, n_coarser += ratio > 1.5 ? 1 : 0;
+      }
+    }
+  }
+  EXPECT_LT(n_coarser, 0.1 * n);  // 2^-7 + 3^-7 of any eight; these flights differ by their rounding only
+  // hundredths tell nothing of a grid of 1/30 s, ten thousandths do
+  EXPECT_NEAR(sigma_of({0.1, 0.9, 1.53333, 2.0, 2.36667, 2.66667}, 2).value_or(0.0), 0.01 / std::sqrt(12.0), 1e-12);
+  EXPECT_NEAR(sigma_of({0.1, 0.9, 1.53333, 2.0, 2.36667, 2.66667}, 4).value_or(0.0), 1.0 / 30 / std::sqrt(12.0), 1e-12);
 }
 
 }  // namespace

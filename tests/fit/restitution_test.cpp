@@ -178,8 +178,20 @@ TEST(Restitution, BreaksWhereTheDetectorLeftAGapInTheNumbers) {
   for (const auto& s : r.samples) EXPECT_NEAR(s.eps, 0.95, 1e-12);
 }
 
+TEST(Restitution, TakesASteepLawForNoMissedImpacts) {
+  for (const double exponent : {-0.15, -0.25, -0.35, 0.2}) {
+    std::vector<double> times{0.0};
+    double interval_s = 0.5;  // 2.45 m/s
+    for (int k = 0; k < 8; ++k) {
+      times.push_back(times.back() + interval_s);
+      interval_s *= 0.7 * std::pow(0.5 * 9.81 * interval_s, exponent);
+    }
+    EXPECT_EQ(n_clean(restitution_samples(onsets_at(times), {}).samples), 7u) << exponent;
+  }
+}
+
 TEST(Restitution, FlagsAnInventedImpactWhereverItSplitsTheFlight) {
-  for (const double fraction : {0.03, 0.3, 0.5, 0.8, 0.97}) {
+  for (const double fraction : {0.03, 0.3, 0.5, 0.6, 0.65, 0.7, 0.8, 0.97}) {
     auto times = geometric_times(0.2, 0.95, 30);
     times.insert(times.begin() + 13, times[12] + fraction * (times[13] - times[12]));
     const auto r = restitution_samples(onsets_at(times), {});

@@ -103,7 +103,7 @@ void add_own_columns(const ForeignTable& foreign, const std::vector<ColumnSpec>&
     const auto column = own_column(foreign, spec.name);
     const bool is_there =
         std::any_of(table.columns.begin(), table.columns.end(), [&](const Column& c) { return c.name == spec.name; });
-    if (!column || is_there || spec.type == ColumnType::integer) continue;
+    if (!column || is_there) continue;
     Column values = empty_column(spec);
     for (const ForeignTable::Row& row : foreign.rows) {
       if (auto* texts = std::get_if<std::vector<std::string>>(&values.values)) {
@@ -111,12 +111,21 @@ void add_own_columns(const ForeignTable& foreign, const std::vector<ColumnSpec>&
         continue;
       }
       const auto number = row.number(*column);
+      if (auto* wholes = std::get_if<std::vector<std::int64_t>>(&values.values)) {
+        const bool is_whole = number && std::floor(number->value) == number->value && spec.range.holds(number->value);
+        if (is_whole) wholes->push_back(static_cast<std::int64_t>(number->value));
+        continue;
+      }
       if (!row.cells[*column].empty() && !number)
         throw FileError(name, "line " + std::to_string(row.line) + ", column " + spec.name + ": '" +
                                   printable(row.cells[*column]) + "' is not a number");
       std::get<std::vector<double>>(values.values)
           .push_back(number ? number->value : std::numeric_limits<double>::quiet_NaN());
     }
+    // drops may have names instead of numbers
+    if (const auto* wholes = std::get_if<std::vector<std::int64_t>>(&values.values);
+        wholes && wholes->size() < foreign.rows.size())
+      continue;
     table.columns.push_back(std::move(values));
   }
 }

@@ -12,6 +12,7 @@
 #include "bouncelab/core/samples.hpp"
 #include "bouncelab/core/text.hpp"
 #include "tables/foreign_columns.hpp"
+#include "tables/title_words.hpp"
 
 namespace bouncelab {
 namespace {
@@ -21,6 +22,7 @@ constexpr std::array<std::string_view, 9> kEpsWords{
 constexpr std::array<std::string_view, 10> kSpeedWords{
     "v", "speed", "velocity", "geschwindigkeit", "vitesse", "impact", "velocidad", "v\xE2\x82\x80", "vin", "u"};
 constexpr std::array<std::string_view, 8> kAfterWords{"out", "after", "nach", "rebound", "ab", "aus", "apres", "h"};
+constexpr std::array<std::string_view, 6> kAlongWords{"t", "x", "tangential", "horizontal", "angular", "terminal"};
 
 /// m/s in one of the unit that a title names; absent: that of another.
 std::optional<double> speed_unit_mps(const std::string& title) {
@@ -41,8 +43,9 @@ std::optional<double> speed_unit_mps(const std::string& title) {
 std::optional<std::size_t> column_with(const ForeignTable& table, Words words, std::optional<std::size_t> except) {
   std::optional<std::size_t> found;
   for (std::size_t k = 0; k < table.titles.size(); ++k) {
-    // of the speeds before and after an impact that before
+    // the speed towards the plate, before the impact
     if (k == except || !has_word(table.titles[k], words) || has_word(table.titles[k], kAfterWords) ||
+        has_word(table.titles[k], kAlongWords) || names_derived(table.titles[k]) ||
         2 * numbers_of(table, k).n < table.rows.size())
       continue;
     if (found) return std::nullopt;
@@ -72,10 +75,6 @@ TakenTable samples_from_foreign(const ForeignTable& foreign, const std::string& 
   const std::optional<double> unit = speed_unit_mps(title_of(foreign, *v));
   if (!unit) throw FileError(name, column_name(foreign, *v) + " has a unit that is not known; give speeds in m/s");
   const double unit_mps = *unit;
-  const std::string eps_title = title_of(foreign, *eps);
-  for (const std::string_view square : {"^2", "**2", "\xC2\xB2"})
-    if (eps_title.find(square) != std::string::npos)
-      throw FileError(name, column_name(foreign, *eps) + " is a square; give the coefficient of restitution itself");
   std::vector<double> speeds, values;
   std::vector<double> speed_roundings, eps_roundings;
   ForeignTable used = foreign;

@@ -53,7 +53,7 @@ struct Sequence {
   bool has_series = false;
 };
 
-bool says_interval(std::string_view title) { return has_word(title, kIntervalWords); }
+bool says_interval(std::string_view title) { return has_word(title, kIntervalWords) && !names_derived(title); }
 /// "Run", not "Run 1: Time (s)".
 bool names_drop(std::string_view title) { return has_word(title, kDropWords) && !names_time(title); }
 /// "Height 1 (m)", "Energy 1", "speed (m/s)": something else.
@@ -98,7 +98,7 @@ bool says_other(std::string_view title) {
                                                     "pa",
                                                     "kg",
                                                     "kraft"};
-  return !names_time(title) && !says_interval(title) && has_word(title, kOther);
+  return names_derived(title) || (!names_time(title) && !says_interval(title) && has_word(title, kOther));
 }
 bool says_time(std::string_view title) {
   return !says_interval(title) && !says_other(title) && (is_time_title(title) || has_word(title, kMarkWords));
@@ -127,13 +127,20 @@ bool are_columns_of_drops(const ForeignTable& table, const std::vector<std::size
 
 /// One drop in each row: "Start (s)", "Stop 1 (s)", "Stop 2 (s)" ..., or a single row of numbers.
 std::optional<Sequence> rows_of_values(const ForeignTable& table, const std::string& name) {
-  std::vector<std::size_t> columns;
-  for (std::size_t k = 0; k < table.n_columns(); ++k)
-    if (table.rows.front().number(k) && !says_other(title_of(table, k)) && !has_word(title_of(table, k), kDropWords))
-      columns.push_back(k);
   const auto is_numbered = [&](std::size_t k) {
     return title_of(table, k).find_first_of("0123456789") != std::string::npos;
   };
+  // a numbered one may be empty, in the first row or in all
+  const auto holds_numbers = [&](std::size_t k) {
+    return table.rows.front().number(k) ||
+           (is_numbered(k) && std::all_of(table.rows.begin(), table.rows.end(), [&](const ForeignTable::Row& row) {
+              return row.number(k) || is_unknown(row.cells[k]);
+            }));
+  };
+  std::vector<std::size_t> columns;
+  for (std::size_t k = 0; k < table.n_columns(); ++k)
+    if (holds_numbers(k) && !says_other(title_of(table, k)) && !has_word(title_of(table, k), kDropWords))
+      columns.push_back(k);
   const auto n_numbered = std::count_if(columns.begin(), columns.end(), is_numbered);
   if (columns.size() < 3 || (n_numbered < 3 && table.rows.size() > 1)) return std::nullopt;
   if (n_numbered >= 3)
@@ -145,12 +152,19 @@ std::optional<Sequence> rows_of_values(const ForeignTable& table, const std::str
   Sequence sequence;
   sequence.has_series = table.rows.size() > 1;
   sequence.from = table.rows.size() == 1 ? "a row" : "a row for each drop";
-  for (std::size_t row = 0; row < table.rows.size(); ++row)
+  for (std::size_t row = 0; row < table.rows.size(); ++row) {
+    std::optional<std::size_t> unset;
     for (const std::size_t k : columns) {
       const auto number = table.rows[row].number(k);
       // what has not been measured is 0 in exports of phyphox
-      const bool is_unset = number && number->value == 0.0 && k != columns.front();
-      if (!number || is_unset) continue;
+      if (!number || (number->value == 0.0 && k != columns.front())) {
+        unset = unset.value_or(k);
+        continue;
+      }
+      if (unset)
+        throw FileError(name, "line " + std::to_string(table.rows[row].line) + ", " + column_name(table, *unset) +
+                                  ": nothing is written between two numbers, which would become neighbours; write it, "
+                                  "or leave out what follows");
       const std::string title = title_of(table, k);
       sequence.says_intervals = sequence.says_intervals || says_interval(title);
       sequence.says_times = sequence.says_times || says_time(title);
@@ -158,6 +172,7 @@ std::optional<Sequence> rows_of_values(const ForeignTable& table, const std::str
       sequence.values.push_back(
           {number->value, number->rounding, number->is_clock, table.rows[row].line, static_cast<std::int64_t>(row)});
     }
+  }
   return sequence;
 }
 
@@ -176,17 +191,43 @@ std::size_t value_column(const ForeignTable& table, const ForeignOptions& option
   };
   const auto counts = [&](std::size_t k) { return numbers_of(table, k).counts; };
   const auto title = [&](std::size_t k) { return title_of(table, k); };
-  if (options.as != "intervals")
+  if (options.as != "intervals") {
+    // "Time (s)" before "impact", which may be its number
+    if (const auto k =
+            first([&](std::size_t c) { return says_time(title(c)) && is_time_title(title(c)) && !counts(c); }))
+      return *k;
     if (const auto k = first([&](std::size_t c) { return says_time(title(c)) && !counts(c); })) return *k;
+  }
   if (const auto k = first([&](std::size_t c) { return says_interval(title(c)); })) return *k;
+  // whose cells are no numbers, "1,000.0": column_of_values says so
+  for (std::size_t k = 0; k < table.titles.size(); ++k)
+    if (names_time(title(k)) && says_time(title(k)) && numbers_of(table, k).n == 0) return k;
   if (const auto k = first([&](std::size_t c) { return !counts(c) && !says_other(title(c)); })) return *k;
   if (numeric.size() == 1 && !says_other(title(numeric.front()))) return numeric.front();
   throw FileError(
       name, "has no column of times or intervals (found: " + titles_in_words(table) + "); name it: --columns t=COLUMN");
 }
 
+/// Another column of the same title but for its digits: "Time 1 (s)", "Time 2 (s)".
+std::optional<std::size_t> twin_of(const ForeignTable& table, std::size_t column) {
+  const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
+  const auto without_digits = [&](std::size_t k) {
+    std::string text = title_of(table, k);
+    std::erase_if(text, is_digit);
+    return text;
+  };
+  for (std::size_t k = 0; k < table.titles.size(); ++k)
+    if (k != column && table.titles[k] != table.titles[column] && without_digits(k) == without_digits(column) &&
+        numbers_of(table, k).n > 0)
+      return k;
+  return std::nullopt;
+}
+
 Sequence column_of_values(const ForeignTable& table, const ForeignOptions& options, const std::string& name) {
   const std::size_t column = value_column(table, options, name);
+  if (const auto twin = twin_of(table, column); twin && options.columns.empty())
+    throw FileError(name, "has a column for each drop (" + column_name(table, column) + ", " +
+                              column_name(table, *twin) + "); write them below each other, with a column drop");
   Sequence sequence;
   sequence.title = title_of(table, column);
   sequence.from = table.n_columns() == 1 && sequence.title.empty() ? "" : column_name(table, column);
@@ -201,13 +242,18 @@ Sequence column_of_values(const ForeignTable& table, const ForeignOptions& optio
   const ForeignTable::Row* unknown = nullptr;  // of this series, behind a number
   sequence.values.reserve(table.rows.size());
   for (const ForeignTable::Row& row : table.rows) {
-    if (drops && row.cells[*drops] != before) {
+    // an empty one is of the drop above: cells that were merged
+    if (drops && !row.cells[*drops].empty() && row.cells[*drops] != before) {
       series += before.empty() ? 0 : 1;
       before = row.cells[*drops];
       unknown = nullptr;
     }
     const bool follows = !sequence.values.empty() && sequence.values.back().series == series;
     const auto number = row.number(column);
+    if (column + 1 < row.cells.size() && time_unit_s(row.cells[column + 1]))
+      throw FileError(name, "line " + std::to_string(row.line) +
+                                ": has a unit beside its number; write all times in one, and name it in the title: "
+                                "Time (ms)");
     if (!number && (follows || !is_unknown(row.cells[column])) && !unknown) unknown = &row;
     // without it the intervals around would be one; behind the last impact a cell may be empty
     if (unknown && (number || !is_unknown(unknown->cells[column])))
@@ -242,15 +288,15 @@ double unit_of(const Sequence& sequence, bool are_intervals, const ForeignOption
                std::string& in_words) {
   if (sequence.values.front().is_clock) return in_words = "clock times", 1.0;
   const auto said = [&](double unit_s) {
-    constexpr std::array<std::pair<double, const char*>, 6> kNames{
-        {{3600.0, "h"}, {60.0, "min"}, {1.0, "s"}, {1e-2, "cs"}, {1e-3, "ms"}, {1e-6, "us"}}};
+    constexpr std::array<std::pair<double, const char*>, 7> kNames{
+        {{3600.0, "h"}, {60.0, "min"}, {1.0, "s"}, {0.1, "ds"}, {1e-2, "cs"}, {1e-3, "ms"}, {1e-6, "us"}}};
     const auto named = std::find_if(kNames.begin(), kNames.end(), [&](const auto& n) { return n.first == unit_s; });
     in_words = named == kNames.end() ? "ns" : named->second;
     return unit_s;
   };
   if (options.unit != "auto") return said(*time_unit_s(options.unit));
-  if (const auto unit_s = time_unit_s(sequence.title)) return said(*unit_s);
-  if (has_word(sequence.title, kFrameWords))
+  const auto titled_s = time_unit_s(sequence.title);
+  if (!titled_s && has_word(sequence.title, kFrameWords))
     throw FileError(name, sequence.from +
                               " counts frames or samples: divide it by how many there are in a second, or "
                               "name another column (--columns t=COLUMN)");
@@ -263,6 +309,12 @@ double unit_of(const Sequence& sequence, bool are_intervals, const ForeignOption
   }
   // flights of 20 ms to 10 s have a median that tells s and ms apart
   const double typical = lengths.empty() ? 0.0 : median(std::move(lengths));
+  constexpr double kShortest_s = 1e-3;  // a bounce as high as a bacterium is long
+  if (titled_s && typical > 0.0 && typical * *titled_s < kShortest_s)
+    throw FileError(name,
+                    sequence.from + " has intervals of " + short_number(typical * *titled_s) +
+                        " s in the median, which no ball has: is its unit right, or does a comma part thousands?");
+  if (titled_s) return said(*titled_s);
   if (typical <= 10.0) return said(1.0);
   if (typical >= 20.0 && typical <= 1e4) return said(1e-3);
   throw FileError(name,
@@ -346,8 +398,11 @@ TakenTable onsets_from_foreign(const ForeignTable& foreign, const std::string& n
   const std::size_t n_impacts = times.t_s.size();
   taken.table.columns.push_back({"drop", std::move(times.drop)});
   taken.table.columns.push_back({"t_s", std::move(times.t_s), decimals_of(roundings_of(sequence.values), unit_s)});
-  if (!are_intervals && !rows && n_impacts == foreign.rows.size())
-    add_own_columns(foreign, onset_columns(), name, taken.table);
+  if (!are_intervals && !rows && n_impacts == foreign.rows.size()) {
+    std::vector<ColumnSpec> own = onset_columns();
+    std::erase_if(own, [](const ColumnSpec& spec) { return spec.type == ColumnType::integer; });  // numbered anew
+    add_own_columns(foreign, own, name, taken.table);
+  }
   for (std::size_t k = 0; k < n_impacts && !are_intervals; ++k) taken.table.stands_on(k, sequence.values[k].line);
   std::string how = format_in_words(foreign.format, foreign.n_columns());
   if (!sequence.from.empty()) how = sequence.from + (how.empty() ? "" : ", " + how);

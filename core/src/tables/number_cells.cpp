@@ -155,11 +155,12 @@ bool says_time(const std::vector<std::string>& words) {
 }  // namespace
 
 std::optional<double> time_unit_s(std::string_view title) {
-  constexpr std::array<std::pair<std::string_view, double>, 20> kUnits{
-      {{"s", 1.0},          {"sec", 1.0},          {"second", 1.0},        {"seconds", 1.0},  {"sekunde", 1.0},
-       {"sekunden", 1.0},   {"seconde", 1.0},      {"secondes", 1.0},      {"segundos", 1.0}, {"cs", 1e-2},
-       {"ms", 1e-3},        {"millisecond", 1e-3}, {"milliseconds", 1e-3}, {"us", 1e-6},      {"\xC2\xB5s", 1e-6},
-       {"\xCE\xBCs", 1e-6}, {"microsecond", 1e-6}, {"microseconds", 1e-6}, {"ns", 1e-9},      {"nanoseconds", 1e-9}}};
+  constexpr std::array<std::pair<std::string_view, double>, 21> kUnits{
+      {{"s", 1.0},           {"sec", 1.0},        {"second", 1.0},       {"seconds", 1.0},       {"sekunde", 1.0},
+       {"sekunden", 1.0},    {"seconde", 1.0},    {"secondes", 1.0},     {"segundos", 1.0},      {"cs", 1e-2},
+       {"ds", 0.1},          {"ms", 1e-3},        {"millisecond", 1e-3}, {"milliseconds", 1e-3}, {"us", 1e-6},
+       {"\xC2\xB5s", 1e-6},  {"\xCE\xBCs", 1e-6}, {"microsecond", 1e-6}, {"microseconds", 1e-6}, {"ns", 1e-9},
+       {"nanoseconds", 1e-9}}};
   const std::vector<std::string> words = words_of(title);
   for (const std::string& word : words)
     for (const auto& [name, unit_s] : kUnits)
@@ -168,6 +169,27 @@ std::optional<double> time_unit_s(std::string_view title) {
   if (says_time(words) && holds_any(words, {"min", "minute", "minutes", "minuten", "minutos"})) return 60.0;
   if (says_time(words) && holds_any(words, {"h", "hour", "hours", "stunden", "heures", "horas"})) return 3600.0;
   return std::nullopt;
+}
+
+bool names_derived(std::string_view title) {
+  for (const std::string_view sign : {"^2", "^3", "**", "10^", "\xC2\xB2", "\xC2\xB3", "\xE2\x88\x9A"})
+    if (title.find(sign) != std::string_view::npos) return true;
+  constexpr std::string_view kDigits = "0123456789";
+  for (std::size_t begin = 0; begin <= title.size();) {
+    const std::size_t end = std::min(title.find_first_of("()[]", begin), title.size());
+    const std::string_view part = trimmed(title.substr(begin, end - begin), kBlanks);
+    // something is taken from a number or divides it
+    const std::size_t sign = part.find_first_not_of("0123456789. ");
+    if (part.find_first_of(kDigits) == 0 && sign < part.size() && (part[sign] == '-' || part[sign] == '/')) return true;
+    const bool is_in_brackets = end < title.size() && (title[end] == ')' || title[end] == ']');
+    if (is_in_brackets && part.find_first_of(kDigits) != std::string_view::npos && time_unit_s(part)) return true;
+    begin = end + 1;
+  }
+  return holds_any(
+      words_of(title),
+      {"sqrt",        "log",          "ln",      "lg",          "squared", "half",     "halbe", "rate",   "hz",
+       "frequency",   "frequenz",     "contact", "kontaktzeit", "sigma",   "\xCF\x83", "error", "err",    "fehler",
+       "uncertainty", "unsicherheit", "std",     "stdev",       "sd",      "inverse",  "loss",  "verlust"});
 }
 
 bool names_time(std::string_view title) { return says_time(words_of(title)); }

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bouncelab/core/onsets.hpp"
 
+#include <algorithm>
 #include <cassert>
+#include <cmath>
+#include <span>
 #include <utility>
 
 #include "bouncelab/core/error.hpp"
@@ -104,6 +107,39 @@ const RowColumns<Onset>& columns_of(const Onset*) {
   return all;
 }
 
+namespace {
+
+/// The step of the coarsest grid of 10 to 1000 places a second, or 1000/1001 of that as of video, on which all times of
+/// a drop lie; absent where chance would put as many times so near to one of them.
+/// @param digit_s  unit of the times' last digit
+std::optional<double> grid_step_s(std::span<const Onset> drop, double digit_s) {
+  constexpr double kByChance = 1e-6;
+  for (int rate_hz = 10; rate_hz <= 1000; ++rate_hz)
+    for (const double step_s : {1.0 / rate_hz, 1.001 / rate_hz}) {
+      const double within = (digit_s + 1e-9) / step_s;  // two roundings of half a digit
+      const double n_tried = 2.0 * rate_hz;
+      if (n_tried * std::pow(2.0 * within, static_cast<double>(drop.size()) - 1.0) > kByChance) return std::nullopt;
+      const auto is_on_grid = [&](const Onset& onset) {
+        const double place = (onset.t_s - drop.front().t_s) / step_s;
+        return std::abs(place - std::round(place)) <= within;
+      };
+      if (std::all_of(drop.begin(), drop.end(), is_on_grid)) return step_s;
+    }
+  return std::nullopt;
+}
+
+/// Times of a drop that has no standard errors are as accurate as its digits, or as the grid that more digits hide:
+/// frames of a video as 0.366667 s.
+void state_rounding(std::span<Onset> drop, std::optional<double> rounding, int decimals) {
+  std::optional<double> sigma_t_s = rounding;
+  const auto step_s = decimals < 0 ? std::nullopt : grid_step_s(drop, std::pow(10.0, -decimals));
+  if (step_s) sigma_t_s = std::max(rounding.value_or(0.0), *step_s / std::sqrt(12.0));
+  for (Onset& onset : drop)
+    if (!onset.sigma_t_s) onset.sigma_t_s = sigma_t_s;
+}
+
+}  // namespace
+
 Table to_table(const Onsets& onsets) { return table_of<Onset>(columns_of(onsets.data()), onsets); }
 
 std::vector<ColumnSpec> onset_columns() { return specs_of(columns_of(static_cast<const Onset*>(nullptr))); }
@@ -112,7 +148,6 @@ Onsets onsets_from_table(const Table& table, const std::string& name, const Onse
   check_columns(table, onset_columns(), name);
   Onsets onsets = rows_of(columns_of(static_cast<const Onset*>(nullptr)), table);
   const bool is_numbered = table.integers("impact") != nullptr;
-  const std::optional<double> rounding = rounding_of(table, "t_s");
   for (std::size_t k = 0; k < onsets.size(); ++k) {
     Onset& onset = onsets[k];
     const bool goes_on = before && before->recording == onset.recording && before->drop == onset.drop;
@@ -122,8 +157,16 @@ Onsets onsets_from_table(const Table& table, const std::string& name, const Onse
                                 "; is this another drop (with a number of its own in the column drop), or are these "
                                 "intervals (--as intervals)?");
     if (!is_numbered) onset.impact = goes_on ? before->impact + 1 : 0;
-    if (!onset.sigma_t_s) onset.sigma_t_s = rounding;
     before = &onset;
+  }
+  const auto times =
+      std::find_if(table.columns.begin(), table.columns.end(), [](const Column& c) { return c.name == "t_s"; });
+  for (auto begin = onsets.begin(); begin != onsets.end();) {
+    const auto end = std::find_if(begin, onsets.end(), [&](const Onset& onset) {
+      return onset.recording != begin->recording || onset.drop != begin->drop;
+    });
+    state_rounding({begin, end}, times->rounding(), times->decimals);
+    begin = end;
   }
   return onsets;
 }

@@ -83,10 +83,13 @@ void flag_wrong_intervals(std::span<RestitutionSample> drop, RestitutionCounts& 
   for (const auto& s : drop) ratios.push_back(s.eps);
   const double m = upper_median(ratios);
   const double factor = std::sqrt(1.0 + m);
+  const auto differ = [&](double a, double b) { return a >= factor * b || b >= factor * a; };
   for (std::size_t k = 0; k < drop.size(); ++k) {
-    const double ratio = ratios[k] / m;
-    if (ratio < factor && ratio > 1.0 / factor) continue;
-    const bool missed = ratio > 1.0;
+    // a coefficient that falls steeply with the speed leaves the median too, but step by step
+    const bool jumps =
+        (k > 0 && differ(ratios[k], ratios[k - 1])) || (k + 1 < drop.size() && differ(ratios[k], ratios[k + 1]));
+    if (!differ(ratios[k], m) || !jumps) continue;
+    const bool missed = ratios[k] > m;
     const Flag reason = missed ? Flag::missing_impact : Flag::extra_impact;
     ++counts.breaks[reason];
     const std::size_t first = !missed && k > 0 && adjacent(drop, k - 1, k) ? k - 1 : k;

@@ -45,6 +45,12 @@ class FreeStanding {
                                  ", which cannot be in a file of its length; save it again in Praat");
     return static_cast<std::int64_t>(n);
   }
+  /// Refuses numbers behind the last that was to come.
+  void end(const std::string& what) {
+    for (std::string word; next_word(word);)
+      if (double value = 0.0; parse_number(word, value))
+        throw FileError(name_, "has more " + what + " than it says; save it again in Praat");
+  }
   std::string text() {
     for (std::string word; next_word(word);)
       if (word.front() == '"') return word.substr(1);
@@ -121,6 +127,7 @@ Annotations parse_text_grid(std::string_view text, const std::string& name, cons
     }
     if (has_points) tiers.push_back(std::move(here));
   }
+  in.end("points");
   if (tiers.empty())
     throw FileError(name,
                     "has no point tier; in Praat: Annotate, To TextGrid with the tier's name under 'point tiers'");
