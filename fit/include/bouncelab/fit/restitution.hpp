@@ -89,8 +89,8 @@ struct Restitution {
 /// detector times it with a standard error of its own, which covers all places where a doubtful one may have been.
 /// Where the ratio of two neighbouring intervals leaves the median ratio m of its drop, and the ratio before or after
 /// it, by more than a factor sqrt(1 + m), an impact was missed (or one invented) between them: the factor is half-way,
-/// on a log scale, to what one missing impact does. Such a sample and its neighbours that share the wrong interval stay in the table, flagged
-/// `missing_impact` or `extra_impact`. (Needs at least 5 samples in the drop.)
+/// on a log scale, to what one missing impact does. Such a sample and its neighbours that share the wrong interval stay
+/// in the table, flagged `missing_impact` or `extra_impact`. (Needs at least 5 samples in the drop.)
 ///
 /// These are ratios of intervals: what drag and contact time do to them the fit takes into account (at_the_plate).
 /// Nothing is clamped.
