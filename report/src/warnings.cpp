@@ -51,6 +51,17 @@ void warn_of_few_drops(const DropCount& drops, std::vector<std::string>& warning
                      "small at low speeds, those of ε(v) hardly");
 }
 
+/// What drops differ by is in errors by drop, and in no others.
+void warn_of_drops_that_differ(const FitResult& result, const RestitutionSamples& used,
+                               std::vector<std::string>& warnings) {
+  if (result.law.drops.errors == ErrorBasis::by_drop || !result.is_one_ball) return;
+  if (const auto differ = difference_of_drops(used))
+    warnings.push_back(
+        formatted("the %zu drops differ by more (%.2g in ε) than bounces of one do (%.2g), so that the "
+                  "interval is too narrow: let it fall %zu times or more",
+                  differ->n_drops, differ->sd_between, differ->sd_within, kFewestDrops));
+}
+
 void warn_of_law(const FitResult& result, std::vector<std::string>& warnings) {
   const LawFit& law = result.law;
   // with memory the impacts need not scatter as if they were independent
@@ -209,6 +220,7 @@ void warn(const FitResult& result, const RestitutionSamples& samples, FitInWords
   if (disagree(result.recordings)) first.push_back(in_words(result.recordings));
   if (result.kinds_of_drops && result.is_one_ball) first.push_back(in_words(*result.kinds_of_drops));
   warn_of_all_samples(used, left_out, first);
+  warn_of_drops_that_differ(result, used, first);
   // why there is no curve is a detail where eps is known all the same
   const LawFit quoted = quoted_law(result);
   const bool no_curve = !quoted.message.empty() && quoted.status != FitStatus::not_identifiable;

@@ -343,6 +343,30 @@ TEST_F(ForeignFiles, SpeedsInOtherUnitsAndSquaresOfTheCoefficientAreRefused) {
   EXPECT_THAT(run("fit known.csv --out k.json").out, HasSubstr("speeds in m/s"));
 }
 
+TEST_F(ForeignFiles, ManyBouncesThatAreLeftOutAreSaid) {
+  std::string text = "drop,t_s\n";
+  for (int drop = 0; drop < 3; ++drop) {
+    double t_s = drop, interval_s = 0.6;
+    for (const double eps : {0.5, 0.5, 0.5, 0.9, 0.91, 0.89, 0.9, 0.9, 0.9})
+      text += std::to_string(drop) + "," + std::to_string(t_s) + "\n", t_s += interval_s, interval_s *= eps;
+  }
+  write("two_floors.csv", text);
+  EXPECT_THAT(run("analyze two_floors.csv --out r").out, HasSubstr("of 21 bounces are left out"));
+}
+
+TEST_F(ForeignFiles, DropsThatDifferAreSaid) {
+  std::string text = "drop,t_s\n";
+  int drop = 0;
+  for (const double level : {0.78, 0.8, 0.83, 0.81}) {
+    double t_s = drop, interval_s = 0.6;
+    for (const double more : {0.0, 0.002, -0.003, 0.001, 0.003, -0.002, 0.0, 0.001})
+      text += std::to_string(drop) + "," + std::to_string(t_s) + "\n", t_s += interval_s, interval_s *= level + more;
+    ++drop;
+  }
+  write("d.csv", text);
+  EXPECT_THAT(run("analyze d.csv --out r").out, HasSubstr("The 4 drops differ by more"));
+}
+
 TEST_F(ForeignFiles, TheSameDropTwiceIsSaid) {
   const double scatter[] = {0.85, 0.846, 0.853, 0.849, 0.855, 0.844, 0.851, 0.848};
   for (const int shift_s : {0, 3}) {

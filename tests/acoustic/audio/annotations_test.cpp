@@ -192,6 +192,9 @@ TEST(Annotations, ATextGridWithMoreTiersOrPointsThanBytesIsRefused) {
     EXPECT_THAT(refusal([&] { parse_text_grid(head + "1 \"TextTier\" \"a\" 0 1 " + count, "a.TextGrid"); }),
                 HasSubstr("points"));
   }
+  // or with fewer than there are
+  EXPECT_THAT(refusal([&] { parse_text_grid(head + "1 \"TextTier\" \"a\" 0 1 1 0.5 \"\" 0.7 \"\"", "a.TextGrid"); }),
+              HasSubstr("has more points than it says"));
 }
 
 TEST(Annotations, ALabelWithAnEnormousNumberIsNotThatOfAnImpact) {
