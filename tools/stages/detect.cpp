@@ -92,8 +92,10 @@ void conclude(const Recordings& recordings, bool found_any, Outcome& outcome) {
     }
     outcome.text.clear();
   } else if (n_unreadable > 0) {
-    outcome.error += fmt::format("; the results are those of the {} recordings that could be read",
-                                 std::ssize(recordings) - n_unreadable);
+    const auto n_read = std::ssize(recordings) - n_unreadable;
+    outcome.error += n_read == 1
+                         ? std::string("; the results are those of the one recording that could be read")
+                         : fmt::format("; the results are those of the {} recordings that could be read", n_read);
   }
 }
 
