@@ -161,12 +161,10 @@ Onsets onsets_from_table(const Table& table, const std::string& name, const Onse
   }
   const auto times =
       std::find_if(table.columns.begin(), table.columns.end(), [](const Column& c) { return c.name == "t_s"; });
-  for (auto begin = onsets.begin(); begin != onsets.end();) {
-    const auto end = std::find_if(begin, onsets.end(), [&](const Onset& onset) {
-      return onset.recording != begin->recording || onset.drop != begin->drop;
-    });
-    state_rounding({begin, end}, times->rounding(), times->decimals);
-    begin = end;
+  for (std::size_t begin = 0, end = 0; begin < onsets.size(); begin = end) {
+    const Onset& first = onsets[begin];
+    while (end < onsets.size() && onsets[end].recording == first.recording && onsets[end].drop == first.drop) ++end;
+    state_rounding(std::span(onsets).subspan(begin, end - begin), times->rounding(), times->decimals);
   }
   return onsets;
 }
