@@ -114,6 +114,7 @@ namespace {
 /// @param digit_s  unit of the times' last digit
 std::optional<double> grid_step_s(std::span<const Onset> drop, double digit_s) {
   constexpr double kByChance = 1e-6;
+  if (drop.size() < 3) return std::nullopt;  // no coefficient of restitution
   for (int rate_hz = 10; rate_hz <= 1000; ++rate_hz)
     for (const double step_s : {1.0 / rate_hz, 1.001 / rate_hz}) {
       const double within = (digit_s + 1e-9) / step_s;  // two roundings of half a digit
@@ -132,7 +133,8 @@ std::optional<double> grid_step_s(std::span<const Onset> drop, double digit_s) {
 /// frames of a video as 0.366667 s.
 void state_rounding(std::span<Onset> drop, std::optional<double> rounding, int decimals) {
   std::optional<double> sigma_t_s = rounding;
-  const auto step_s = decimals < 0 ? std::nullopt : grid_step_s(drop, std::pow(10.0, -decimals));
+  // of numbers that were no texts all digits are known
+  const auto step_s = grid_step_s(drop, decimals < 0 ? 0.0 : std::pow(10.0, -decimals));
   if (step_s) sigma_t_s = std::max(rounding.value_or(0.0), *step_s / std::sqrt(12.0));
   for (Onset& onset : drop)
     if (!onset.sigma_t_s) onset.sigma_t_s = sigma_t_s;
