@@ -30,8 +30,8 @@ struct Drop {
 
 /// What bounces of a drop scatter, and what is known of the change with speed.
 struct Scatter {
-  double sd = 0.0;        ///< of eps, about the median of its drop; or what the timing makes of it
-  double slope_se = 0.0;  ///< of d eps / d ln v within drops
+  double sd = 0.0;                     ///< of eps, about the median of its drop; or what the timing makes of it
+  double slope = 0.0, slope_se = 0.0;  ///< d eps / d ln v within drops
 };
 
 std::vector<Drop> drops_of(const RestitutionSamples& samples) {
@@ -81,7 +81,7 @@ Scatter bring_to_one_speed(std::vector<Drop>& drops) {
     for (const double ln_v : drop.ln_v) leverage += square(ln_v - drop.ln_v_median);
   }
   if (deviations.empty()) return {};
-  Scatter scatter{kSdOverMad * median(std::move(deviations)), 0.0};
+  Scatter scatter{kSdOverMad * median(std::move(deviations)), slope, 0.0};
   // medians of halves use the samples half as well as least squares
   if (leverage > 0.0) scatter.slope_se = 2.0 * scatter.sd / std::sqrt(leverage);
   return scatter;
@@ -136,14 +136,14 @@ std::optional<DifferenceOfDrops> difference_of_drops(const RestitutionSamples& s
   std::vector<Drop> drops = drops_of(samples);
   if (drops.size() < kFewest) return {};
   const Scatter scatter = bring_to_one_speed(drops);
-  const double slope = slope_within(drops);
   std::vector<double> means, eps, ln_v;
   double n_samples = 0.0, within = 0.0;  // sum of squares about the means
   for (const Drop& drop : drops) {
     const auto n = static_cast<double>(drop.eps.size());
     double mean = 0.0;
-    for (std::size_t k = 0; k < drop.eps.size(); ++k) mean += (drop.eps[k] - slope * drop.ln_v[k]) / n;
-    for (std::size_t k = 0; k < drop.eps.size(); ++k) within += square(drop.eps[k] - slope * drop.ln_v[k] - mean);
+    for (std::size_t k = 0; k < drop.eps.size(); ++k) mean += (drop.eps[k] - scatter.slope * drop.ln_v[k]) / n;
+    for (std::size_t k = 0; k < drop.eps.size(); ++k)
+      within += square(drop.eps[k] - scatter.slope * drop.ln_v[k] - mean);
     means.push_back(mean);
     eps.push_back(median(drop.eps));
     ln_v.push_back(drop.ln_v_median);
