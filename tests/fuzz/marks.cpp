@@ -26,13 +26,13 @@ void check_marks(const audio::Annotations& marks) {
 void check_onsets(const audio::Annotations& marks) {
   for (const bool renumber : {false, true}) {
     Onsets onsets, again;
-    if (!accepts([&] { onsets = audio::onsets_of(marks, renumber); })) continue;
+    if (!accepts([&] { onsets = audio::onsets_of(marks, renumber, "input"); })) continue;
     require(onsets.size() == marks.points.size(), "there is an onset for each mark");
     const Table table = to_table(onsets);
     if (!increase(onsets)) continue;
     must_accept("onsets of marks are a table that can be read", [&] { onsets_from_table(table, "input"); });
     must_accept("onsets of marks can be marks again",
-                [&] { again = audio::onsets_of(audio::annotations_of(onsets), false); });
+                [&] { again = audio::onsets_of(audio::annotations_of(onsets), false, "input"); });
     require(are_same(table, to_table(again)), "onsets are the same when written as labels and read again");
   }
 }

@@ -31,13 +31,13 @@ TEST(Annotations, ShortLabelsFitAndAreCompletedByTheOnsets) {
   }
   Annotations back = completed(parse_audacity_labels(audacity_labels(brief), "x.txt"), onsets);
   back.recording = onsets.front().recording;
-  expect_same(onsets_of(back, false), onsets);
+  expect_same(onsets_of(back, false, "marks"), onsets);
   // moved, named anew, or taken away: that one alone
   back = brief;
   back.points[3].t_s += 1e-4;
   back.points[4].label = "here it was";
   back.points.pop_back();
-  const Onsets corrected = onsets_of(completed(back, onsets), false);
+  const Onsets corrected = onsets_of(completed(back, onsets), false, "marks");
   ASSERT_EQ(corrected.size(), onsets.size() - 1);
   for (const std::size_t k : {3U, 4U}) {
     EXPECT_EQ(corrected[k].flags, Flags{Flag::by_hand});
@@ -49,12 +49,12 @@ TEST(Annotations, ShortLabelsFitAndAreCompletedByTheOnsets) {
 TEST(Annotations, TextFormatsGiveBackEveryBit) {
   const Onsets onsets = some_onsets();
   const Annotations annotations = annotations_of(onsets);
-  expect_same(onsets_of(parse_audacity_labels(audacity_labels(annotations), "a.txt"), false), onsets);
-  const Onsets from_layer =
-      onsets_of(parse_sonic_visualiser_layer(sonic_visualiser_layer(annotations, 44100, 500000), "a.svl"), false);
+  expect_same(onsets_of(parse_audacity_labels(audacity_labels(annotations), "a.txt"), false, "marks"), onsets);
+  const Onsets from_layer = onsets_of(
+      parse_sonic_visualiser_layer(sonic_visualiser_layer(annotations, 44100, 500000), "a.svl"), false, "marks");
   expect_same(from_layer, onsets);
   EXPECT_EQ(from_layer.front().recording, onsets.front().recording);
-  const Onsets from_grid = onsets_of(parse_text_grid(text_grid(annotations, 12.0), "a.TextGrid"), false);
+  const Onsets from_grid = onsets_of(parse_text_grid(text_grid(annotations, 12.0), "a.TextGrid"), false, "marks");
   expect_same(from_grid, onsets);
   EXPECT_EQ(from_grid.front().recording, onsets.front().recording);
 }
@@ -64,7 +64,7 @@ TEST(Annotations, AnEditorThatRoundsToItsOwnResolutionLosesNothing) {
   Annotations annotations = annotations_of(onsets);
   for (Annotation& point : annotations.points) point.t_s = std::round(point.t_s * 1e6) / 1e6;  // what Audacity writes
   annotations.resolution_s = 1e-6;
-  expect_same(onsets_of(annotations, false), onsets);
+  expect_same(onsets_of(annotations, false, "marks"), onsets);
 }
 
 TEST(Annotations, AMarkThatWasMovedOrMadeCountsAsItStands) {
@@ -75,7 +75,7 @@ TEST(Annotations, AMarkThatWasMovedOrMadeCountsAsItStands) {
   const double between_s = 0.5 * (onsets[10].t_s + onsets[11].t_s);
   annotations.points.push_back({between_s, "here too"});
   annotations.points.push_back({0.01, ""});
-  const Onsets corrected = onsets_of(annotations, false);
+  const Onsets corrected = onsets_of(annotations, false, "marks");
   ASSERT_EQ(corrected.size(), 62u);
   EXPECT_EQ(corrected[0].t_s, 0.01);
   EXPECT_EQ(corrected[0].drop, 0);
@@ -92,18 +92,18 @@ TEST(Annotations, AMarkThatWasMovedOrMadeCountsAsItStands) {
 TEST(Annotations, AMarkThatWasMissingTakesTheFreeNumber) {
   Annotations annotations = annotations_of(some_onsets());
   annotations.resolution_s = 1e-6;
-  const Onsets before = onsets_of(annotations, false);
+  const Onsets before = onsets_of(annotations, false, "marks");
   ASSERT_EQ(before[31].impact, before[30].impact + 2);
   annotations.points.push_back({0.5 * (before[30].t_s + before[31].t_s), "missed"});
-  const Onsets after = onsets_of(annotations, false);
+  const Onsets after = onsets_of(annotations, false, "marks");
   for (std::size_t k = 1; k <= 40; ++k) EXPECT_EQ(after[k].impact, after[k - 1].impact + 1);
 }
 
 TEST(Annotations, AfterOneWasTakenAwayTheRestIsNumberedAnewOnRequest) {
   Annotations annotations = annotations_of(some_onsets());
   annotations.points.erase(annotations.points.begin() + 10);
-  EXPECT_EQ(onsets_of(annotations, false)[10].impact, 11);
-  const Onsets renumbered = onsets_of(annotations, true);
+  EXPECT_EQ(onsets_of(annotations, false, "marks")[10].impact, 11);
+  const Onsets renumbered = onsets_of(annotations, true, "marks");
   for (std::size_t k = 0; k < 39; ++k) EXPECT_EQ(renumbered[k].impact, static_cast<std::int64_t>(k));
   EXPECT_EQ(renumbered[39].drop, 1);
   EXPECT_EQ(renumbered[39].impact, 0);
@@ -113,7 +113,7 @@ TEST(Annotations, ReadsWhatTheEditorsThemselvesWrite) {
   const Annotations audacity =
       parse_audacity_labels("0.500000\t0.500000\t0.0 clipped\r\n\\\t100.0\t900.0\r\n1.25\t1.5\thit\r\n", "a");
   ASSERT_EQ(audacity.points.size(), 2u);
-  const Onsets onsets = onsets_of(audacity, false);
+  const Onsets onsets = onsets_of(audacity, false, "marks");
   EXPECT_EQ(onsets[0].flags, Flags{Flag::clipped});
   EXPECT_EQ(onsets[1].t_s, 1.25);
   EXPECT_EQ(onsets[1].impact, 1);
@@ -200,7 +200,7 @@ TEST(Annotations, ATextGridWithMoreTiersOrPointsThanBytesIsRefused) {
 TEST(Annotations, ALabelWithAnEnormousNumberIsNotThatOfAnImpact) {
   const Onsets onsets = onsets_of(
       parse_audacity_labels("1\t1\t0.9223372036854775807 t_s=1\n2\t2\t0.5 t_s=2\n3\t3\t9999999999999999.0\n", "a.txt"),
-      false);
+      false, "marks");
   ASSERT_EQ(onsets.size(), 3U);
   EXPECT_EQ(onsets[0].impact, 0);
   EXPECT_EQ(onsets[0].flags, Flags{Flag::by_hand});
@@ -209,10 +209,16 @@ TEST(Annotations, ALabelWithAnEnormousNumberIsNotThatOfAnImpact) {
   EXPECT_EQ(onsets[2].impact, 6);
 }
 
+TEST(Annotations, AMarkAfterTheGreatestNumberIsRefused) {
+  EXPECT_THAT(
+      refusal([] { onsets_of(parse_audacity_labels("1\t1\t0.1000000000000000 t_s=1\n2\t2\t\n", "a"), false, "a"); }),
+      testing::HasSubstr("a: no number is left for the mark at 2 s"));
+}
+
 TEST(Annotations, ANumberInALabelThatNoTableOfOnsetsHoldsIsNotKnown) {
   const std::string labels =
       "1\t1\t0.0 t_s=1 sigma_t_s=0 amplitude=-1 snr_db=30\n2\t2\t0.1 t_s=2 sigma_t_s=1e11 amplitude=1e40\n";
-  const Onsets onsets = onsets_of(parse_audacity_labels(labels, "a.txt"), false);
+  const Onsets onsets = onsets_of(parse_audacity_labels(labels, "a.txt"), false, "marks");
   ASSERT_EQ(onsets.size(), 2U);
   for (const Onset& onset : onsets) {
     EXPECT_FALSE(onset.sigma_t_s);
@@ -224,7 +230,8 @@ TEST(Annotations, ANumberInALabelThatNoTableOfOnsetsHoldsIsNotKnown) {
 
 TEST(Annotations, OnsetsAreInTheOrderOfTheTimesInTheirLabels) {
   // on one frame of 48 kHz; the second's own time is earlier
-  const Onsets onsets = onsets_of({"a.wav", 1.0 / 48000.0, {{0.002, "5.1"}, {0.002, "1.1 t_s=0.001999"}}}, false);
+  const Onsets onsets =
+      onsets_of({"a.wav", 1.0 / 48000.0, {{0.002, "5.1"}, {0.002, "1.1 t_s=0.001999"}}}, false, "marks");
   ASSERT_EQ(onsets.size(), 2U);
   EXPECT_EQ(onsets[0].drop, 1);
   EXPECT_EQ(onsets[1].drop, 5);

@@ -54,9 +54,9 @@ TEST_F(Cues, ACopyOfTheRecordingHoldsThemAndItsSamplesAreUntouched) {
                    again = folder_ / ("c" + extension);
     write_sound(original.filename(), SampleEncoding::pcm24);
     copy_with_cues(original, annotations_of(onsets), marked, "b");
-    expect_same(onsets_of(read_cues(marked), false), onsets);
+    expect_same(onsets_of(read_cues(marked), false, "marks"), onsets);
     const std::string in_memory = bytes(marked);
-    expect_same(onsets_of(parse_cues(std::as_bytes(std::span(in_memory)), "b"), false), onsets);
+    expect_same(onsets_of(parse_cues(std::as_bytes(std::span(in_memory)), "b"), false, "marks"), onsets);
     SF_INFO info, before;
     EXPECT_EQ(samples(marked, info), samples(original, before));
     EXPECT_EQ(info.format, before.format);
@@ -90,7 +90,7 @@ TEST_F(Cues, ManyThousandAreNoProblem) {
     many.push_back(onset);
   }
   copy_with_cues(folder_ / "a.wav", annotations_of(many), folder_ / "b.wav", "b.wav");
-  expect_same(onsets_of(read_cues(folder_ / "b.wav"), false), many);
+  expect_same(onsets_of(read_cues(folder_ / "b.wav"), false, "marks"), many);
 }
 
 TEST_F(Cues, ASampleRateThatIsNoneIsRefused) {

@@ -108,9 +108,8 @@ std::unique_ptr<TableReader> open_onsets(const fs::path& path, const ForeignFile
   if (!said.tells()) {
     if (std::optional<audio::Annotations> marks = marks_of(path, options.tier)) {
       if (!options.recording.empty()) marks->recording = options.recording;
-      if (marks->points.empty()) throw FileError(input_name(path), "holds no marks");
       if (!marks->taken_for.empty()) taken_for.push_back(line_of(path, marks->taken_for));
-      const Onsets onsets = audio::onsets_of(*std::move(marks), options.renumber);
+      const Onsets onsets = audio::onsets_of(*std::move(marks), options.renumber, input_name(path));
       return std::make_unique<TableInMemory>(to_table(onsets));
     }
   }

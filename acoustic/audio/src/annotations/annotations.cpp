@@ -125,11 +125,15 @@ bool are_numbered(const std::vector<Annotation>& points) {
 }
 
 /// By time: each number at least one above that before it in its drop.
-void number_upwards(Onsets& onsets, bool renumber) {
+void number_upwards(Onsets& onsets, bool renumber, const std::string& name) {
   std::map<std::int64_t, std::int64_t> next;  // by drop
   for (Onset& onset : onsets) {
     std::int64_t& free = next[onset.drop];
     onset.impact = renumber ? free : std::max(onset.impact, free);
+    if (!is_number(onset.impact))
+      throw FileError(name, "no number is left for the mark at " + number_text(onset.t_s) + " s: impacts of drop " +
+                                std::to_string(onset.drop) + " are numbered up to " + std::to_string(free - 1) +
+                                " before it; give that one the number that it has in its drop");
     free = onset.impact + 1;
   }
 }
@@ -213,7 +217,7 @@ Annotations completed(Annotations annotations, const Onsets& onsets) {
 namespace {
 
 /// @param annotations  by time
-Onsets marks_by_hand(const Annotations& annotations) {
+Onsets marks_by_hand(const Annotations& annotations, const std::string& name) {
   std::vector<double> t_s;
   for (const Annotation& point : annotations.points) t_s.push_back(point.t_s);
   const std::vector<std::int64_t> drops = drops_of(t_s);
@@ -227,16 +231,16 @@ Onsets marks_by_hand(const Annotations& annotations) {
     onset.flags = {Flag::by_hand};
     onsets.push_back(std::move(onset));
   }
-  number_upwards(onsets, true);
+  number_upwards(onsets, true, name);
   return onsets;
 }
 
 }  // namespace
 
-Onsets onsets_of(Annotations annotations, bool renumber) {
-  if (annotations.points.empty()) throw InvalidArgument("there are no annotations");
+Onsets onsets_of(Annotations annotations, bool renumber, const std::string& name) {
+  if (annotations.points.empty()) throw FileError(name, "holds no marks");
   sort_by_time(annotations.points);
-  if (!are_numbered(annotations.points)) return marks_by_hand(annotations);
+  if (!are_numbered(annotations.points)) return marks_by_hand(annotations, name);
   Onsets onsets;
   onsets.reserve(annotations.points.size());
   std::optional<std::int64_t> drop;
@@ -258,7 +262,7 @@ Onsets onsets_of(Annotations annotations, bool renumber) {
   for (std::size_t k = 0; k < n_before_any_drop; ++k) onsets[k].drop = onsets[n_before_any_drop].drop;
   // a label's own time may differ from that of its point by the file's resolution
   std::stable_sort(onsets.begin(), onsets.end(), [](const Onset& a, const Onset& b) { return a.t_s < b.t_s; });
-  number_upwards(onsets, renumber);
+  number_upwards(onsets, renumber, name);
   return onsets;
 }
 

@@ -73,7 +73,7 @@ Onsets onsets_of_file(std::string_view bytes, const std::string& name, const For
     }
     if (std::optional<Annotations> marks = marks_of_file(bytes, name, tier)) {
       taken_for = std::move(marks->taken_for);
-      return onsets_of(*std::move(marks), false);
+      return onsets_of(*std::move(marks), false, name);
     }
   }
   TakenTable taken = onsets_from_foreign(read_foreign_table(decoded_text(bytes, name), name), name, options);

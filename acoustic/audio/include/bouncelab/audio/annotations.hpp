@@ -53,8 +53,9 @@ Annotations completed(Annotations annotations, const Onsets& onsets);
 /// joins the drop of the point before it. Impacts keep their numbers, moved up where a point was inserted.
 /// Where the labels are not numbered so, all points are marks made by hand, and drops are drops_of() their times.
 /// @param renumber  number the impacts of each drop anew by time: for points that were deleted
-/// @throws InvalidArgument if there are no points
-Onsets onsets_of(Annotations annotations, bool renumber);
+/// @param name      of the file, for messages
+/// @throws FileError if there are no points, or no numbers for them
+Onsets onsets_of(Annotations annotations, bool renumber, const std::string& name);
 
 // ---- any of these, by the content of the file
 
