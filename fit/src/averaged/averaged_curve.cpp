@@ -70,7 +70,7 @@ Moved moved(const Raw& raw, const AirAndContact& known, Deviation deviation) {
 std::string name_of(const LawModel& model) {
   std::string name;
   for (const std::string& one : model.names()) name += (name.empty() ? "" : ", ") + one;
-  return name;
+  return name + (model.yields ? " (yields)" : "");
 }
 
 /// Fits of one law on a grid of its own: a law that can bend little knows drag better than one that can take its place.

@@ -21,9 +21,10 @@ struct DeviationEstimate {
 /// is reported are quantiles of the sum of all fits' Student distributions. Between places of the grid everything is
 /// interpolated; where samples know a parameter better than the grid resolves, the grid closes in on it.
 ///
-/// Laws: one eps for all speeds, a straight one in ln v, the same with a step where there may be one, gamma and the
-/// series; that alone which is asked for, where it is not the default. Source of the weights: Kass & Raftery, J. Am.
-/// Stat. Assoc. 90, 773 (1995), doi:10.1080/01621459.1995.10476572.
+/// Laws: one eps for all speeds, a straight one in ln v, the same with a step where there may be one, gamma, the
+/// series, and of what yields a straight one in v^(-1/4) and the series; that alone which is asked for, where it is not
+/// the default. Source of the weights: Kass & Raftery, J. Am. Stat. Assoc. 90, 773 (1995),
+/// doi:10.1080/01621459.1995.10476572.
 /// @param samples  with what their intervals hold, without outliers; at least 1
 /// @param node_speeds_mps  empty: as LawFitConfig
 /// @param estimate  gets where drag and contact time are

@@ -20,7 +20,8 @@ namespace {
 constexpr double kScatterOfFew = 0.005;
 
 /// What a law says of the shape of eps(v), as sums of eps at some speeds; each is 0 with a standard deviation
-/// beforehand. The viscoelastic law falls by (1 - eps)/5 in a factor e of speed.
+/// beforehand. The viscoelastic law falls by (1 - eps)/5 in a factor e of speed; what yields far above the speed where
+/// that begins is in proportion to v^(-1/4) (Johnson, Contact Mechanics, 11.4).
 struct Shape {
   std::vector<double> v_mps;
   Eigen::MatrixXd sums;  ///< a row a sum, a column a speed
@@ -29,7 +30,8 @@ struct Shape {
 Shape shape_of(const LawModel& model, const LawData& data) {
   constexpr double kSlope = 0.2, kCurvature = 0.25, kStep = 0.5;
   const std::vector<double> ends = spread_speeds(data.v_mps, 2);
-  const double lost = std::max(0.01, 1.0 - median(data.eps)), change = kSlope * lost * log(ends[1] / ends[0]);
+  const double eps = median(data.eps), lost = std::max(0.01, 1.0 - eps), ratio = ends[1] / ends[0];
+  const double change = model.yields ? eps * (pow(ratio, 0.25) - 1.0) : kSlope * lost * log(ratio);
   Shape shape;
   if (model.kind == LawKind::slope) {
     shape = {ends, Eigen::MatrixXd(1, 2), Eigen::VectorXd(1)};
@@ -191,8 +193,12 @@ std::vector<LawModel> models_of(const LawData& data, const LawFitConfig& config)
   add(LawKind::constant, {});
   if (n < 4 || hi < kOneSpeed * lo) return models;
   add(LawKind::viscoelastic, {});
-  add(LawKind::slope, {});
-  if (n > 5) add(LawKind::series, config.orders);
+  for (const bool yields : {false, true}) {
+    add(LawKind::slope, {});
+    models.back().yields = yields;
+    if (n > 5) add(LawKind::series, config.orders);
+    models.back().yields = yields;
+  }
   if (std::optional<LawModel> step = step_of(data)) models.push_back(*std::move(step));
   return models;
 }

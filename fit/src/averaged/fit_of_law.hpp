@@ -29,8 +29,9 @@ Fitted fit_of(const LawData& data, const LawModel& model, const LawFitConfig& co
 Fitted fit_of_few(const LawData& data, std::size_t n_speeds);
 
 /// Laws that may hold for samples: that alone which is asked for, where it is not the default; else a constant, and
-/// from four samples on, of more than one speed, the viscoelastic law and a straight one in ln v, from six on the
-/// series, and last a straight one with a step where there may be one.
+/// from four samples on, of more than one speed, the viscoelastic law, a straight one in ln v and, of what yields, one
+/// in v^(-1/4), from six on the series with either's slope beforehand, and last a straight one with a step where there
+/// may be one.
 std::vector<LawModel> models_of(const LawData& data, const LawFitConfig& config);
 
 /// Speeds within a factor of this are one: no curve can be seen.

@@ -99,9 +99,10 @@ Eigen::MatrixXd LawModel::jacobian(std::span<const double> v_mps, const Eigen::V
   if (kind == LawKind::series) return product(series_terms(orders, v_mps), a_of_q);
   if (kind == LawKind::slope || kind == LawKind::step) {
     Eigen::MatrixXd rows(n, n_parameters());
-    const double first = log(node_v_mps[0]), width = log(node_v_mps[1] / node_v_mps[0]);
+    const auto straight_in = [this](double v) { return yields ? pow(v, -0.25) : log(v); };
+    const double first = straight_in(node_v_mps[0]), width = straight_in(node_v_mps[1]) - first;
     for (Eigen::Index k = 0; k < n; ++k) {
-      const double v = v_mps[static_cast<std::size_t>(k)], x = (log(v) - first) / width;
+      const double v = v_mps[static_cast<std::size_t>(k)], x = (straight_in(v) - first) / width;
       if (kind == LawKind::slope)
         rows.row(k) << 1.0 - x, x;
       else if (v < node_v_mps[2])

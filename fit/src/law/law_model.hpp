@@ -24,6 +24,7 @@ struct LawModel {
   LawKind kind = LawKind::series;
   std::vector<int> orders;
   std::vector<double> node_v_mps;  ///< series: one per order; slope: the ends; step: the ends and where it is
+  bool yields = false;             ///< slope: straight in v^(-1/4); beforehand eps may fall as that of what yields
   Eigen::MatrixXd a_of_q;          ///< series: A = a_of_q (q - 1)
 
   Eigen::Index n_parameters() const;
