@@ -300,6 +300,35 @@ TEST(ForeignTable, ADropGoesOnInTheEmptyCellsOfAMergedOne) {
   EXPECT_NE(onsets[3].drop, onsets[0].drop);
 }
 
+TEST(ForeignTable, ItsDropsAreToldByAllColumnsThatSaySo) {
+  const Onsets onsets =
+      read("Run,Trial,Measurement,time (s)\n1,1,1,1.0\n1,1,2,1.4\n1,2,1,2.0\n1,2,2,2.4\n2,2,1,3.0\n2,2,2,3.4\n");
+  ASSERT_EQ(onsets.size(), 6U);
+  for (std::size_t k = 0; k < 6; ++k) EXPECT_EQ(onsets[k].drop, static_cast<std::int64_t>(k / 2)) << k;
+  // the number of the impact in each row begins none
+  EXPECT_EQ(read("Drop,Measurement,time (s)\n1,1,1.0\n1,2,1.4\n1,3,1.7\n")[2].drop, 0);
+}
+
+TEST(ForeignTable, OfSeveralBallsIsRefused) {
+  EXPECT_THAT(refusal("ball;time (s)\nsteel;1.0\nsteel;1.4\nsteel;1.7\nglass;5.0\nglass;5.5\n"),
+              HasSubstr("line 5, column 'ball': 'glass' follows 'steel'"));
+  EXPECT_THAT(refusal("Ball 1 (Material),time (s)\n1,1.0\n1,1.4\n2,5.0\n2,5.5\n"), HasSubstr("one ball on one floor"));
+  EXPECT_EQ(read("floor type;time (s)\nwood;1.0\n;1.4\nwood;1.7\n").size(), 3U);
+  EXPECT_EQ(read("time (s);ball\n1.0;0.01\n1.4;0.02\n1.7;0.01\n").size(), 3U) << "where it was";
+  try {
+    samples_from_foreign(read_foreign_table("ball;v;e\na;1.2;0.8\nb;1.1;0.7\n", "x"), "x", {});
+    FAIL() << "two balls were taken for one";
+  } catch (const FileError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("'b' follows 'a'"));
+  }
+}
+
+TEST(ForeignTable, OfTimesInNoOrderIsRefused) {
+  EXPECT_THAT(refusal("T1,T3,T2\n.5,.3,.4\n.5,.3,.4\n"), HasSubstr("column 'T2' stands behind column 'T3'"));
+  // a time that stands twice is no beginning of another drop
+  EXPECT_THROW(read("time (s)\n1.0\n1.4\n1.4\n1.7\n"), FileError);
+}
+
 TEST(ForeignTable, ItsTimesAreTheColumnThatSaysSo) {
   // a number of the impact that begins anew, or has a gap
   EXPECT_EQ(read("impact,time (s)\n0,1.0\n1,1.6\n5,2.1\n6,2.5\n")[1].t_s, 1.6);

@@ -2,6 +2,7 @@
 #include "tables/foreign_columns.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <variant>
@@ -89,6 +90,31 @@ std::optional<std::size_t> own_column(const ForeignTable& table, const std::stri
   const auto found = std::find(table.titles.begin(), table.titles.end(), title);
   if (found == table.titles.end()) return std::nullopt;
   return static_cast<std::size_t>(found - table.titles.begin());
+}
+
+void check_one_ball(const ForeignTable& table, const std::string& name) {
+  constexpr std::array<std::string_view, 20> kBallWords{
+      "ball",    "kugel",  "balle", "bille", "palla",  "pallina",    "bola",      "pelota", "floor",    "plate",
+      "surface", "ground", "sol",   "boden", "platte", "untergrund", "pavimento", "suelo",  "material", "materiale"};
+  constexpr std::array<std::string_view, 4> kOfBall{"type", "kind", "name", "art"};
+  for (std::size_t k = 0; k < table.titles.size(); ++k) {
+    const std::vector<std::string> words = words_of(table.titles[k]);
+    const bool is_of_ball = std::all_of(words.begin(), words.end(), [&](const std::string& word) {
+      return word.empty() || has_word(word, kBallWords) || has_word(word, kOfBall);
+    });
+    if (!is_of_ball || !has_word(table.titles[k], kBallWords)) continue;
+    const ForeignTable::Row* first = nullptr;
+    for (const ForeignTable::Row& row : table.rows) {
+      if (row.cells[k].empty()) continue;
+      if (!first) first = &row;
+      // a number that is not whole is where the ball or the floor was
+      if (const auto number = row.number(k); number && number->value != std::floor(number->value)) break;
+      if (row.cells[k] != first->cells[k])
+        throw FileError(name, "line " + std::to_string(row.line) + ", " + column_name(table, k) + ": '" +
+                                  printable(row.cells[k], 60) + "' follows '" + printable(first->cells[k], 60) +
+                                  "'; a table is of one ball on one floor, so write one for each");
+    }
+  }
 }
 
 int decimals_of(const std::vector<double>& roundings, double unit) {

@@ -42,6 +42,9 @@ std::optional<std::size_t> own_column(const ForeignTable& table, const std::stri
 void add_own_columns(const ForeignTable& foreign, const std::vector<ColumnSpec>& own, const std::string& name,
                      Table& table);
 
+/// @throws FileError where a column is called ball, floor, material ... and has several of them
+void check_one_ball(const ForeignTable& table, const std::string& name);
+
 /// Digits behind the point of numbers in another unit, by their roundings: half of 10^-decimals each.
 int decimals_of(const std::vector<double>& roundings, double unit);
 

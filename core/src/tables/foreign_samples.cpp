@@ -62,6 +62,7 @@ bool holds_samples(const ForeignTable& table) {
 }
 
 TakenTable samples_from_foreign(const ForeignTable& foreign, const std::string& name, const ForeignOptions& options) {
+  check_one_ball(foreign, name);
   auto eps = told_column(foreign, options, "eps", name);
   auto v = told_column(foreign, options, "v", name);
   if (!eps) eps = own_column(foreign, "eps");
@@ -75,18 +76,16 @@ TakenTable samples_from_foreign(const ForeignTable& foreign, const std::string& 
   const std::optional<double> unit = speed_unit_mps(title_of(foreign, *v));
   if (!unit) throw FileError(name, column_name(foreign, *v) + " has a unit that is not known; give speeds in m/s");
   const double unit_mps = *unit;
-  std::vector<double> speeds, values;
-  std::vector<double> speed_roundings, eps_roundings;
   ForeignTable used = foreign;
-  std::erase_if(used.rows, [&](const ForeignTable::Row& row) {
+  std::erase_if(used.rows, [&](const ForeignTable::Row& row) { return !row.number(*v) || !row.number(*eps); });
+  std::vector<double> speeds, values, speed_roundings, eps_roundings;
+  for (const ForeignTable::Row& row : used.rows) {
     const auto v_cell = row.number(*v), eps_cell = row.number(*eps);
-    if (!v_cell || !eps_cell) return true;
     speeds.push_back(unit_mps * v_cell->value);
     values.push_back(eps_cell->value);
     speed_roundings.push_back(v_cell->rounding);
     eps_roundings.push_back(eps_cell->rounding);
-    return false;
-  });
+  }
   if (used.rows.empty()) throw FileError(name, "has no row with a speed and a coefficient of restitution");
   if (const double typical = median(values); typical > 2.0)  // above 1 is rare, and 2 no ball has by itself
     throw FileError(name, column_name(foreign, *eps) + ": coefficients of " + short_number(typical) +

@@ -125,6 +125,22 @@ bool are_columns_of_drops(const ForeignTable& table, const std::vector<std::size
   return (n_up == columns.size() || n_down == columns.size()) && n_ordered_rows < table.rows.size();
 }
 
+/// "T1", "T3", "T2": in which order the numbers were measured is not known.
+void check_order(const ForeignTable& table, const std::vector<std::size_t>& columns, const std::string& name) {
+  std::optional<std::size_t> before;
+  double number_before = 0.0;
+  for (const std::size_t k : columns) {
+    const std::string title = title_of(table, k);
+    const std::size_t digit = title.find_first_of("0123456789");
+    if (digit == std::string::npos) continue;
+    const double number = std::strtod(title.c_str() + digit, nullptr);
+    if (before && number < number_before)
+      throw FileError(name, column_name(table, k) + " stands behind " + column_name(table, *before) +
+                                "; put the columns in the order of the impacts");
+    before = k, number_before = number;
+  }
+}
+
 /// One drop in each row: "Start (s)", "Stop 1 (s)", "Stop 2 (s)" ..., or a single row of numbers.
 std::optional<Sequence> rows_of_values(const ForeignTable& table, const std::string& name) {
   const auto is_numbered = [&](std::size_t k) {
@@ -145,6 +161,7 @@ std::optional<Sequence> rows_of_values(const ForeignTable& table, const std::str
   if (columns.size() < 3 || (n_numbered < 3 && table.rows.size() > 1)) return std::nullopt;
   if (n_numbered >= 3)
     std::erase_if(columns, [&](std::size_t k) { return !is_numbered(k) && !says_time(title_of(table, k)); });
+  check_order(table, columns, name);
   if (are_columns_of_drops(table, columns))
     throw FileError(name, "has a column for each drop (" + column_name(table, columns[0]) + ", " +
                               column_name(table, columns[1]) +
@@ -223,6 +240,23 @@ std::optional<std::size_t> twin_of(const ForeignTable& table, std::size_t column
   return std::nullopt;
 }
 
+/// Those that tell which drop a row is of: the one that was told, else all that are called so ("Run", "Trial"); behind
+/// the first, one with another value in every row is a number of the impact.
+std::vector<std::size_t> drop_columns(const ForeignTable& table, std::size_t values, std::optional<std::size_t> told) {
+  if (told) return {*told};
+  const auto is_one_of_several = [&](std::size_t k) {
+    for (std::size_t row = 1; row < table.rows.size(); ++row) {
+      const std::string& cell = table.rows[row].cells[k];
+      if (cell.empty() || cell == table.rows[row - 1].cells[k]) return true;
+    }
+    return false;
+  };
+  std::vector<std::size_t> drops;
+  for (std::size_t k = 0; k < table.titles.size(); ++k)
+    if (k != values && names_drop(table.titles[k]) && (drops.empty() || is_one_of_several(k))) drops.push_back(k);
+  return drops;
+}
+
 Sequence column_of_values(const ForeignTable& table, const ForeignOptions& options, const std::string& name) {
   const std::size_t column = value_column(table, options, name);
   if (const auto twin = twin_of(table, column); twin && options.columns.empty())
@@ -233,21 +267,22 @@ Sequence column_of_values(const ForeignTable& table, const ForeignOptions& optio
   sequence.from = table.n_columns() == 1 && sequence.title.empty() ? "" : column_name(table, column);
   sequence.says_intervals = says_interval(sequence.title);
   sequence.says_times = says_time(sequence.title);
-  std::optional<std::size_t> drops = told_column(table, options, "drop", name);
-  for (std::size_t k = 0; k < table.titles.size() && !drops; ++k)
-    if (k != column && names_drop(table.titles[k])) drops = k;
-  sequence.has_series = drops.has_value();
+  const std::vector<std::size_t> drops = drop_columns(table, column, told_column(table, options, "drop", name));
+  sequence.has_series = !drops.empty();
   std::int64_t series = 0;
-  std::string before;
+  std::vector<std::string> before(drops.size());
   const ForeignTable::Row* unknown = nullptr;  // of this series, behind a number
   sequence.values.reserve(table.rows.size());
   for (const ForeignTable::Row& row : table.rows) {
-    // an empty one is of the drop above: cells that were merged
-    if (drops && !row.cells[*drops].empty() && row.cells[*drops] != before) {
-      series += before.empty() ? 0 : 1;
-      before = row.cells[*drops];
-      unknown = nullptr;
+    bool begins = false;
+    for (std::size_t j = 0; j < drops.size(); ++j) {
+      const std::string& cell = row.cells[drops[j]];
+      // an empty one is of the drop above: cells that were merged
+      if (cell.empty() || cell == before[j]) continue;
+      begins = begins || !before[j].empty();
+      before[j] = cell;
     }
+    if (begins) ++series, unknown = nullptr;
     const bool follows = !sequence.values.empty() && sequence.values.back().series == series;
     const auto number = row.number(column);
     if (column + 1 < row.cells.size() && time_unit_s(row.cells[column + 1]))
@@ -366,7 +401,7 @@ std::vector<std::int64_t> drops_of(std::span<const double> t_s) {
   double interval_s = 0.0;
   for (std::size_t k = 0; k < t_s.size(); ++k) {
     const double here_s = k == 0 ? 0.0 : t_s[k] - t_s[k - 1];
-    const bool begins = k > 0 && (here_s <= 0.0 || (interval_s > 0.0 && here_s > kMissed * interval_s));
+    const bool begins = k > 0 && (here_s < 0.0 || (interval_s > 0.0 && here_s > kMissed * interval_s));
     drops.push_back(k == 0 ? 0 : drops.back() + (begins ? 1 : 0));
     interval_s = begins ? 0.0 : here_s;
   }
@@ -374,6 +409,7 @@ std::vector<std::int64_t> drops_of(std::span<const double> t_s) {
 }
 
 TakenTable onsets_from_foreign(const ForeignTable& foreign, const std::string& name, const ForeignOptions& options) {
+  check_one_ball(foreign, name);
   const std::optional<Sequence> rows = options.columns.empty() ? rows_of_values(foreign, name) : std::nullopt;
   if (holds_samples(foreign) && options.as == "auto" && options.columns.empty())
     throw FileError(name, "holds speeds and coefficients of restitution, no times; bouncelab fit takes it");

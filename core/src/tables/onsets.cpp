@@ -156,8 +156,10 @@ Onsets onsets_from_table(const Table& table, const std::string& name, const Onse
     if (goes_on && onset.t_s <= before->t_s)
       throw FileError(name, table.place_of(k) + ", column t_s: times must increase within a drop, but " +
                                 std::to_string(onset.t_s) + " follows " + std::to_string(before->t_s) +
-                                "; is this another drop (with a number of its own in the column drop), or are these "
-                                "intervals (--as intervals)?");
+                                (onset.t_s == before->t_s
+                                     ? "; leave one of them out"
+                                     : "; is this another drop (with a number of its own in the column drop), or are "
+                                       "these intervals (--as intervals)?"));
     if (!is_numbered) onset.impact = goes_on ? before->impact + 1 : 0;
     before = &onset;
   }
