@@ -50,16 +50,26 @@ void when_memory_is_short() {
   if (!kept || std::uncaught_exceptions() == 0) throw std::bad_alloc();
 }
 
-/// To be called first. @throws std::bad_alloc  where not even the reserve can be had
-void keep_reserve() {
-  reserve = ::operator new(kReserve_bytes);  // its pages are never touched
-  std::set_new_handler(when_memory_is_short);
-}
-
 /// The one line for a process that is out of memory, without asking for any.
 void say_out_of_memory() noexcept {
   constexpr std::string_view kMessage = "bouncelab: out of memory; ask for less at once\n";
   (void)!::write(STDERR_FILENO, kMessage.data(), kMessage.size());
+}
+
+std::terminate_handler usual_end = nullptr;
+
+/// Where nothing may be thrown a shortage ends the process: Ceres' timers ask for memory in their destructors.
+void end_of_process() {
+  if (reserve.load() != nullptr) usual_end();
+  say_out_of_memory();
+  std::_Exit(kFileError);
+}
+
+/// To be called first. @throws std::bad_alloc  where not even the reserve can be had
+void keep_reserve() {
+  reserve = ::operator new(kReserve_bytes);  // its pages are never touched
+  std::set_new_handler(when_memory_is_short);
+  usual_end = std::set_terminate(end_of_process);
 }
 
 bool is_command(const std::vector<std::string>& typed) {
