@@ -8,6 +8,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <string>
@@ -309,11 +310,48 @@ TEST(ForeignTable, ItsDropsAreToldByAllColumnsThatSaySo) {
   EXPECT_EQ(read("Drop,Measurement,time (s)\n1,1,1.0\n1,2,1.4\n1,3,1.7\n")[2].drop, 0);
 }
 
+/// Of a ball released from heights in their order: intervals fall along the rows and down the columns.
+std::string fallen(bool a_row_is_a_drop) {
+  std::string text;
+  for (int row = 0; row < 5; ++row)
+    for (int column = 0; column < 4; ++column) {
+      const int bounce = a_row_is_a_drop ? column : row, drop = a_row_is_a_drop ? row : column;
+      constexpr std::array<double, 5> kFirst_s{0.90, 0.80, 0.74, 0.55, 0.50};
+      text += formatted("%.4f", kFirst_s[static_cast<std::size_t>(drop)] * std::pow(0.75, bounce)) +
+              (column == 3 ? "\n" : ",");
+    }
+  return text;
+}
+
+TEST(ForeignTable, ARowIsADropWhereTheTitlesAreNumbersAndItsRatiosAreAlike) {
+  for (const char* titles : {"T1,T2,T3,T4\n", "1,2,3,4\n"}) {
+    EXPECT_EQ(read(titles + fallen(true)).back().drop, 4) << titles;
+    EXPECT_THAT(refusal(titles + fallen(false)), HasSubstr("a column for each drop")) << titles;
+  }
+  // a number of the bounce beside them is no interval
+  EXPECT_THAT(refusal("Bounce,T1,T2,T3\n1,.9,.8,.65\n2,.675,.6,.488\n3,.506,.45,.366\n"),
+              HasSubstr("a column for each drop"));
+  EXPECT_THAT(refusal(fallen(true)), HasSubstr("name the columns T1, T2, T3"));
+  for (const char* titles : {"Bounce,Anna,Bob\n", "Bounce,Trial 1,Trial 2\n"})
+    EXPECT_THAT(refusal(titles + std::string("1,.9,.8\n2,.7,.62\n3,.55,.45\n")), HasSubstr("a column for each drop"));
+}
+
+TEST(ForeignTable, ANumberOfTheImpactOrAMeanIsNoTime) {
+  const Onsets onsets = read("Table,Bounce,dt (ms)\n1,1,600\n1,2,480\n1,3,384\n1,1,590\n1,2,475\n1,3,380\n");
+  ASSERT_EQ(onsets.size(), 8U);
+  EXPECT_NEAR(onsets[1].t_s, 0.6, 1e-12);
+  EXPECT_EQ(read("Drop,T1,T2,T3\n1,.6,.5,.4\n2,.6,.5,.4\nMean,.6,.5,.4\nStd. dev.,.01,.01,.01\n").back().drop, 1);
+  EXPECT_EQ(read("Series,Time (s)\nS1,1.0\nS1,1.5\nS2,3.0\nS2,3.5\nmean,2.2\n").size(), 4U) << "S1 is no unit";
+  // Trial alone tells nothing where it is always 1
+  EXPECT_EQ(read("Student,Trial,Interval (s)\nA,1,.6\nA,1,.5\nB,1,.6\nB,1,.5\n").back().drop, 1);
+  EXPECT_EQ(read("Trial,Interval (s)\n1,.6\n1,.3\n1,.6\n1,.3\n").back().drop, 1);
+}
+
 TEST(ForeignTable, OfSeveralBallsIsRefused) {
   EXPECT_THAT(refusal("ball;time (s)\nsteel;1.0\nsteel;1.4\nsteel;1.7\nglass;5.0\nglass;5.5\n"),
               HasSubstr("line 5, column 'ball': 'glass' follows 'steel'"));
   EXPECT_THAT(refusal("Ball 1 (Material),time (s)\n1,1.0\n1,1.4\n2,5.0\n2,5.5\n"), HasSubstr("one ball on one floor"));
-  EXPECT_EQ(read("floor type;time (s)\nwood;1.0\n;1.4\nwood;1.7\n").size(), 3U);
+  EXPECT_EQ(read("floor type;time (s)\nwood;1.0\n;1.4\nWood;1.7\n").size(), 3U);
   EXPECT_EQ(read("time (s);ball\n1.0;0.01\n1.4;0.02\n1.7;0.01\n").size(), 3U) << "where it was";
   try {
     samples_from_foreign(read_foreign_table("ball;v;e\na;1.2;0.8\nb;1.1;0.7\n", "x"), "x", {});

@@ -27,8 +27,8 @@ Numbers numbers_of(const ForeignTable& table, std::size_t column) {
     const auto number = row.number(column);
     if (!number) continue;
     ++result.n;
-    result.counts =
-        result.counts && (before ? number->value == *before + 1.0 : number->value == 0.0 || number->value == 1.0);
+    const bool begins = (number->value == 0.0 || number->value == 1.0) && (!before || number->value < *before);
+    result.counts = result.counts && (begins || (before && number->value == *before + 1.0));
     before = number->value;
   }
   result.counts = result.counts && result.n > 1;
@@ -62,6 +62,11 @@ std::string format_in_words(const CellFormat& format, std::size_t n_columns) {
 
 namespace {
 
+std::string digits_of(std::string text) {
+  std::erase_if(text, [](char c) { return c < '0' || c > '9'; });
+  return text;
+}
+
 /// A column by its exact title, or by its number from 1.
 std::size_t named_column(const ForeignTable& table, const std::string& wanted, const std::string& name) {
   for (std::size_t k = 0; k < table.titles.size(); ++k)
@@ -92,6 +97,20 @@ std::optional<std::size_t> own_column(const ForeignTable& table, const std::stri
   return static_cast<std::size_t>(found - table.titles.begin());
 }
 
+bool is_summary(const ForeignTable::Row& row) {
+  constexpr std::array<std::string_view, 16> kSummaries{
+      "mean",   "average",    "avg", "sd",      "std",   "stdev",    "stddev", "dev",
+      "mittel", "mittelwert", "mw",  "moyenne", "media", "promedio", "median", ""};
+  return std::any_of(row.cells.begin(), row.cells.end(), [&](const std::string& cell) {
+    const std::vector<std::string> words =
+        cell.empty() || cell.front() <= '9' ? std::vector<std::string>{} : words_of(cell);
+    return !words.empty() && !words.front().empty() &&
+           std::all_of(words.begin(), words.end(), [&](const std::string& word) {
+             return std::find(kSummaries.begin(), kSummaries.end(), word) != kSummaries.end();
+           });
+  });
+}
+
 void check_one_ball(const ForeignTable& table, const std::string& name) {
   constexpr std::array<std::string_view, 20> kBallWords{
       "ball",    "kugel",  "balle", "bille", "palla",  "pallina",    "bola",      "pelota", "floor",    "plate",
@@ -109,7 +128,7 @@ void check_one_ball(const ForeignTable& table, const std::string& name) {
       if (!first) first = &row;
       // a number that is not whole is where the ball or the floor was
       if (const auto number = row.number(k); number && number->value != std::floor(number->value)) break;
-      if (row.cells[k] != first->cells[k])
+      if (words_of(row.cells[k]) != words_of(first->cells[k]) || digits_of(row.cells[k]) != digits_of(first->cells[k]))
         throw FileError(name, "line " + std::to_string(row.line) + ", " + column_name(table, k) + ": '" +
                                   printable(row.cells[k], 60) + "' follows '" + printable(first->cells[k], 60) +
                                   "'; a table is of one ball on one floor, so write one for each");

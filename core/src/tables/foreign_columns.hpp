@@ -17,7 +17,8 @@ namespace bouncelab {
 using Words = std::span<const std::string_view>;
 bool has_word(std::string_view title, Words wanted);
 
-/// Of the numbers of a column: how many rows have one, and whether they count 1, 2, 3 ... or 0, 1, 2 ...
+/// Of the numbers of a column: how many rows have one, and whether they count 1, 2, 3 ... or 0, 1, 2 ..., of each drop
+/// anew perhaps
 struct Numbers {
   std::size_t n = 0;
   bool counts = true;
@@ -42,6 +43,8 @@ std::optional<std::size_t> own_column(const ForeignTable& table, const std::stri
 void add_own_columns(const ForeignTable& foreign, const std::vector<ColumnSpec>& own, const std::string& name,
                      Table& table);
 
+/// "Mean", "SD" below the values of a table.
+bool is_summary(const ForeignTable::Row& row);
 /// @throws FileError where a column is called ball, floor, material ... and has several of them
 void check_one_ball(const ForeignTable& table, const std::string& name);
 

@@ -17,8 +17,9 @@
 namespace bouncelab {
 namespace {
 
-constexpr std::array<std::string_view, 9> kEpsWords{
-    "eps", "epsilon", "\xCE\xB5", "e", "cor", "restitution", "restitutionskoeffizient", "stosszahl", "cr"};
+constexpr std::array<std::string_view, 10> kEpsWords{
+    "eps",       "epsilon", "\xCE\xB5",       "e", "cor", "restitution", "restitutionskoeffizient",
+    "stosszahl", "cr",      "sto\xC3\x9Fzahl"};
 constexpr std::array<std::string_view, 10> kSpeedWords{
     "v", "speed", "velocity", "geschwindigkeit", "vitesse", "impact", "velocidad", "v\xE2\x82\x80", "vin", "u"};
 constexpr std::array<std::string_view, 8> kAfterWords{"out", "after", "nach", "rebound", "ab", "aus", "apres", "h"};
@@ -77,7 +78,8 @@ TakenTable samples_from_foreign(const ForeignTable& foreign, const std::string& 
   if (!unit) throw FileError(name, column_name(foreign, *v) + " has a unit that is not known; give speeds in m/s");
   const double unit_mps = *unit;
   ForeignTable used = foreign;
-  std::erase_if(used.rows, [&](const ForeignTable::Row& row) { return !row.number(*v) || !row.number(*eps); });
+  std::erase_if(used.rows,
+                [&](const ForeignTable::Row& row) { return !row.number(*v) || !row.number(*eps) || is_summary(row); });
   std::vector<double> speeds, values, speed_roundings, eps_roundings;
   for (const ForeignTable::Row& row : used.rows) {
     const auto v_cell = row.number(*v), eps_cell = row.number(*eps);

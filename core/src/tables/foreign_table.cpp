@@ -130,6 +130,20 @@ ForeignTable::Row row_of(const Line& line, const CellFormat& format) {
   return {line.number, format.decimal, {cells.begin(), cells.end()}};
 }
 
+/// ",1,2,3,4" or "Drop,1,2,3" above rows of numbers.
+void take_numbers_for_titles(ForeignTable& table) {
+  if (!table.titles.empty() || table.rows.size() < 2) return;
+  double n = 0.0;
+  for (std::size_t k = 0; k < table.n_columns(); ++k) {
+    const auto number = table.rows.front().number(k);
+    if (number ? number->value != n + 1.0 : n > 0.0) return;
+    n += number ? 1.0 : 0.0;
+  }
+  if (n < 3.0) return;
+  table.titles = std::move(table.rows.front().cells);
+  table.rows.erase(table.rows.begin());
+}
+
 }  // namespace
 
 ForeignTable read_foreign_table(std::string_view text, const std::string& name) {
@@ -165,6 +179,7 @@ ForeignTable read_foreign_table(std::string_view text, const std::string& name) 
     row.cells.resize(std::max(row.cells.size(), n_cells));
     table.rows.push_back(std::move(row));
   }
+  take_numbers_for_titles(table);
   return table;
 }
 

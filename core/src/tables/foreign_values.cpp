@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <numeric>
 #include <span>
 
 #include "bouncelab/core/error.hpp"
@@ -25,8 +26,9 @@ constexpr std::array<std::string_view, 15> kIntervalWords{
 constexpr std::array<std::string_view, 15> kMarkWords{"onset",  "onsets", "start",    "begin",  "stop",
                                                       "impact", "bounce", "aufprall", "stoss",  "rebond",
                                                       "event",  "bote",   "rimbalzo", "marker", "position"};
-constexpr std::array<std::string_view, 12> kDropWords{"drop",  "trial", "run",     "series", "serie",   "try",
-                                                      "essai", "wurf",  "versuch", "throw",  "messung", "measurement"};
+constexpr std::array<std::string_view, 22> kDropWords{
+    "drop",        "trial",   "run",     "series", "serie", "try",    "essai",  "wurf",  "versuch", "throw", "messung",
+    "measurement", "attempt", "student", "team",   "group", "gruppe", "groupe", "grupo", "class",   "date",  "datum"};
 
 constexpr std::array<std::string_view, 6> kFrameWords{"frame", "frames", "sample", "samples", "bild", "image"};
 
@@ -51,6 +53,7 @@ struct Sequence {
   std::string title;  ///< says a unit, perhaps
   bool says_intervals = false, says_times = false;
   bool has_series = false;
+  std::size_t n_left_out = 0;  ///< rows of means
 };
 
 bool says_interval(std::string_view title) { return has_word(title, kIntervalWords) && !names_derived(title); }
@@ -104,25 +107,61 @@ bool says_time(std::string_view title) {
   return !says_interval(title) && !says_other(title) && (is_time_title(title) || has_word(title, kMarkWords));
 }
 
-/// Do the numbers rise, or fall, down every column, and not along the rows?
+/// Numbers in a row each or in a column each: are all of them in order, the same for each, as those of drops are, and
+/// how much do the ratios of a drop's neighbouring intervals differ?
+struct Lines {
+  bool are_ordered = false;
+  double spread = HUGE_VAL;  ///< median distance of their logarithms from the median
+};
+Lines lines_of(const std::vector<std::vector<double>>& lines) {
+  std::size_t n_up = 0, n_down = 0;
+  std::vector<double> ratios;
+  for (std::vector<double> line : lines) {
+    const bool up = std::is_sorted(line.begin(), line.end());
+    n_up += up ? 1 : 0;
+    n_down += std::is_sorted(line.rbegin(), line.rend()) ? 1 : 0;
+    if (up && !line.empty()) {
+      std::adjacent_difference(line.begin(), line.end(), line.begin());
+      line.erase(line.begin());
+    }
+    for (std::size_t k = 1; k < line.size(); ++k)
+      if (line[k - 1] > 0.0 && line[k] > 0.0) ratios.push_back(std::log(line[k] / line[k - 1]));
+  }
+  Lines result{n_up == lines.size() || n_down == lines.size(), HUGE_VAL};
+  if (ratios.empty()) return result;
+  const double middle = median(ratios);
+  for (double& ratio : ratios) ratio = std::abs(ratio - middle);
+  result.spread = median(std::move(ratios));
+  return result;
+}
+
+struct RowsAndColumns {
+  Lines rows, columns;
+};
+RowsAndColumns rows_and_columns(const ForeignTable& table, const std::vector<std::size_t>& columns) {
+  std::vector<std::vector<double>> along, down(columns.size());
+  for (const ForeignTable::Row& row : table.rows) {
+    if (is_summary(row)) continue;
+    along.emplace_back();
+    for (std::size_t j = 0; j < columns.size(); ++j)
+      if (const auto number = row.number(columns[j]))
+        along.back().push_back(number->value), down[j].push_back(number->value);
+  }
+  return {lines_of(along), lines_of(down)};
+}
+
+/// Do the numbers rise, or fall, down every column, and not along the rows, or there with ratios that differ more? From
+/// heights in their order the first flights fall too.
 bool are_columns_of_drops(const ForeignTable& table, const std::vector<std::size_t>& columns) {
   if (table.rows.size() < 3) return false;
-  std::size_t n_down = 0, n_up = 0, n_ordered_rows = 0;
-  for (const std::size_t k : columns) {
-    std::vector<double> down;
-    for (const ForeignTable::Row& row : table.rows)
-      if (const auto number = row.number(k)) down.push_back(number->value);
-    n_up += std::is_sorted(down.begin(), down.end()) ? 1 : 0;
-    n_down += std::is_sorted(down.rbegin(), down.rend()) ? 1 : 0;
-  }
-  for (const ForeignTable::Row& row : table.rows) {
-    std::vector<double> along;
-    for (const std::size_t k : columns)
-      if (const auto number = row.number(k)) along.push_back(number->value);
-    n_ordered_rows +=
-        std::is_sorted(along.begin(), along.end()) || std::is_sorted(along.rbegin(), along.rend()) ? 1 : 0;
-  }
-  return (n_up == columns.size() || n_down == columns.size()) && n_ordered_rows < table.rows.size();
+  const auto [rows, down] = rows_and_columns(table, columns);
+  return down.are_ordered && (!rows.are_ordered || 2.0 * down.spread < rows.spread);
+}
+
+[[noreturn]] void refuse_columns_of_drops(const ForeignTable& table, std::size_t one, std::size_t other,
+                                          const std::string& name) {
+  throw FileError(name, "has a column for each drop (" + column_name(table, one) + ", " + column_name(table, other) +
+                            " ...); write them below each other, with a column drop");
 }
 
 /// "T1", "T3", "T2": in which order the numbers were measured is not known.
@@ -155,21 +194,32 @@ std::optional<Sequence> rows_of_values(const ForeignTable& table, const std::str
   };
   std::vector<std::size_t> columns;
   for (std::size_t k = 0; k < table.n_columns(); ++k)
-    if (holds_numbers(k) && !says_other(title_of(table, k)) && !has_word(title_of(table, k), kDropWords))
+    if (holds_numbers(k) && !says_other(title_of(table, k)) && !has_word(title_of(table, k), kDropWords) &&
+        (is_numbered(k) || !numbers_of(table, k).counts))
       columns.push_back(k);
   const auto n_numbered = std::count_if(columns.begin(), columns.end(), is_numbered);
-  if (columns.size() < 3 || (n_numbered < 3 && table.rows.size() > 1)) return std::nullopt;
+  if (columns.size() < 3) return std::nullopt;
+  if (n_numbered < 3 && table.rows.size() > 1) {
+    constexpr double kAlike = 0.2;  // ratios of one ball's intervals
+    if (const Lines rows = rows_and_columns(table, columns).rows;
+        table.titles.empty() && rows.are_ordered && rows.spread < kAlike)
+      throw FileError(name,
+                      "seems to have a row for each drop, and no titles that say so; name the columns T1, T2, T3 "
+                      "... in a line above");
+    return std::nullopt;
+  }
   if (n_numbered >= 3)
     std::erase_if(columns, [&](std::size_t k) { return !is_numbered(k) && !says_time(title_of(table, k)); });
   check_order(table, columns, name);
-  if (are_columns_of_drops(table, columns))
-    throw FileError(name, "has a column for each drop (" + column_name(table, columns[0]) + ", " +
-                              column_name(table, columns[1]) +
-                              " ...); write them below each other, with a column drop");
+  if (are_columns_of_drops(table, columns)) refuse_columns_of_drops(table, columns[0], columns[1], name);
   Sequence sequence;
   sequence.has_series = table.rows.size() > 1;
   sequence.from = table.rows.size() == 1 ? "a row" : "a row for each drop";
   for (std::size_t row = 0; row < table.rows.size(); ++row) {
+    if (is_summary(table.rows[row])) {
+      ++sequence.n_left_out;
+      continue;
+    }
     std::optional<std::size_t> unset;
     for (const std::size_t k : columns) {
       const auto number = table.rows[row].number(k);
@@ -215,11 +265,16 @@ std::size_t value_column(const ForeignTable& table, const ForeignOptions& option
       return *k;
     if (const auto k = first([&](std::size_t c) { return says_time(title(c)) && !counts(c); })) return *k;
   }
-  if (const auto k = first([&](std::size_t c) { return says_interval(title(c)); })) return *k;
+  if (const auto k = first([&](std::size_t c) { return says_interval(title(c)) && !counts(c); })) return *k;
   // whose cells are no numbers, "1,000.0": column_of_values says so
   for (std::size_t k = 0; k < table.titles.size(); ++k)
     if (names_time(title(k)) && says_time(title(k)) && numbers_of(table, k).n == 0) return k;
-  if (const auto k = first([&](std::size_t c) { return !counts(c) && !says_other(title(c)); })) return *k;
+  std::vector<std::size_t> any = numeric;
+  std::erase_if(any, [&](std::size_t c) { return counts(c) || says_other(title(c)); });
+  if (any.size() > 1 && !table.titles.empty() && table.rows.size() > 2 &&
+      rows_and_columns(table, any).columns.are_ordered)
+    refuse_columns_of_drops(table, any[0], any[1], name);
+  if (!any.empty()) return any.front();
   if (numeric.size() == 1 && !says_other(title(numeric.front()))) return numeric.front();
   throw FileError(
       name, "has no column of times or intervals (found: " + titles_in_words(table) + "); name it: --columns t=COLUMN");
@@ -240,8 +295,8 @@ std::optional<std::size_t> twin_of(const ForeignTable& table, std::size_t column
   return std::nullopt;
 }
 
-/// Those that tell which drop a row is of: the one that was told, else all that are called so ("Run", "Trial"); behind
-/// the first, one with another value in every row is a number of the impact.
+/// Those that tell which drop a row is of: the one that was told, else all that are called so ("Run", "Trial") without
+/// those with another value in every row, which number the impacts.
 std::vector<std::size_t> drop_columns(const ForeignTable& table, std::size_t values, std::optional<std::size_t> told) {
   if (told) return {*told};
   const auto is_one_of_several = [&](std::size_t k) {
@@ -251,29 +306,37 @@ std::vector<std::size_t> drop_columns(const ForeignTable& table, std::size_t val
     }
     return false;
   };
-  std::vector<std::size_t> drops;
+  std::vector<std::size_t> drops, of_one_row;
   for (std::size_t k = 0; k < table.titles.size(); ++k)
-    if (k != values && names_drop(table.titles[k]) && (drops.empty() || is_one_of_several(k))) drops.push_back(k);
+    if (k != values && names_drop(table.titles[k])) (is_one_of_several(k) ? drops : of_one_row).push_back(k);
+  if (drops.empty() && !of_one_row.empty()) drops.push_back(of_one_row.front());
   return drops;
 }
 
 Sequence column_of_values(const ForeignTable& table, const ForeignOptions& options, const std::string& name) {
+  for (std::size_t k = 0; k < table.titles.size() && options.columns.empty(); ++k)  // "Trial 1", "Trial 2"
+    if (const auto twin = names_drop(table.titles[k]) ? twin_of(table, k) : std::nullopt)
+      refuse_columns_of_drops(table, k, *twin, name);
   const std::size_t column = value_column(table, options, name);
   if (const auto twin = twin_of(table, column); twin && options.columns.empty())
-    throw FileError(name, "has a column for each drop (" + column_name(table, column) + ", " +
-                              column_name(table, *twin) + "); write them below each other, with a column drop");
+    refuse_columns_of_drops(table, column, *twin, name);
   Sequence sequence;
   sequence.title = title_of(table, column);
   sequence.from = table.n_columns() == 1 && sequence.title.empty() ? "" : column_name(table, column);
   sequence.says_intervals = says_interval(sequence.title);
   sequence.says_times = says_time(sequence.title);
-  const std::vector<std::size_t> drops = drop_columns(table, column, told_column(table, options, "drop", name));
+  const auto told = told_column(table, options, "drop", name);
+  const std::vector<std::size_t> drops = drop_columns(table, column, told);
   sequence.has_series = !drops.empty();
   std::int64_t series = 0;
   std::vector<std::string> before(drops.size());
   const ForeignTable::Row* unknown = nullptr;  // of this series, behind a number
   sequence.values.reserve(table.rows.size());
   for (const ForeignTable::Row& row : table.rows) {
+    if (is_summary(row)) {
+      ++sequence.n_left_out;
+      continue;
+    }
     bool begins = false;
     for (std::size_t j = 0; j < drops.size(); ++j) {
       const std::string& cell = row.cells[drops[j]];
@@ -285,7 +348,8 @@ Sequence column_of_values(const ForeignTable& table, const ForeignOptions& optio
     if (begins) ++series, unknown = nullptr;
     const bool follows = !sequence.values.empty() && sequence.values.back().series == series;
     const auto number = row.number(column);
-    if (column + 1 < row.cells.size() && time_unit_s(row.cells[column + 1]))
+    if (column + 1 < row.cells.size() && row.cells[column + 1].find_first_of("0123456789") == std::string::npos &&
+        time_unit_s(row.cells[column + 1]))
       throw FileError(name, "line " + std::to_string(row.line) +
                                 ": has a unit beside its number; write all times in one, and name it in the title: "
                                 "Time (ms)");
@@ -299,6 +363,8 @@ Sequence column_of_values(const ForeignTable& table, const ForeignOptions& optio
                     "drop in two there");
     if (number) sequence.values.push_back({number->value, number->rounding, number->is_clock, row.line, series});
   }
+  // one value in all rows tells nothing
+  if (!told) sequence.has_series = sequence.has_series && series > 0;
   return sequence;
 }
 
@@ -426,7 +492,9 @@ TakenTable onsets_from_foreign(const ForeignTable& foreign, const std::string& n
   for (const Found& value : sequence.values)
     if (are_intervals && !(value.value > 0.0))
       throw FileError(name, "line " + std::to_string(value.line) + ": an interval of " + short_number(value.value) +
-                                "; intervals are above 0. Are these times? Say --as times");
+                                "; intervals are above 0. " +
+                                (sequence.says_intervals ? "Leave those out that are as short as their last digit"
+                                                         : "Are these times? Say --as times"));
   Times times = are_intervals ? times_of_intervals(sequence, unit_s) : times_of_times(sequence, unit_s);
   const std::int64_t n_drops = times.drop.back() + 1;
 
@@ -449,6 +517,9 @@ TakenTable onsets_from_foreign(const ForeignTable& foreign, const std::string& n
     taken.taken_for += "; they fall, so they are no times (--as times if they are)";
   if (foreign.n_left_out > 0)
     taken.taken_for += "; " + std::to_string(foreign.n_left_out) + " lines without numbers left out";
+  if (sequence.n_left_out > 0)
+    taken.taken_for += "; " + std::to_string(sequence.n_left_out) + (sequence.n_left_out == 1 ? " row" : " rows") +
+                       " of means or deviations left out";
   return taken;
 }
 

@@ -157,7 +157,7 @@ Onsets onsets_from_table(const Table& table, const std::string& name, const Onse
       throw FileError(name, table.place_of(k) + ", column t_s: times must increase within a drop, but " +
                                 std::to_string(onset.t_s) + " follows " + std::to_string(before->t_s) +
                                 (onset.t_s == before->t_s
-                                     ? "; leave one of them out"
+                                     ? "; leave one out, or end the drop before its times are as close as their digits"
                                      : "; is this another drop (with a number of its own in the column drop), or are "
                                        "these intervals (--as intervals)?"));
     if (!is_numbered) onset.impact = goes_on ? before->impact + 1 : 0;
