@@ -363,6 +363,8 @@ TEST(ForeignTable, OfSeveralBallsIsRefused) {
 
 TEST(ForeignTable, OfTimesInNoOrderIsRefused) {
   EXPECT_THAT(refusal("T1,T3,T2\n.5,.3,.4\n.5,.3,.4\n"), HasSubstr("column 'T2' stands behind column 'T3'"));
+  // nor is one too many
+  EXPECT_EQ(read("time (s)\n1.0\n1.6\n1.6004\n2.08\n2.46\n").back().drop, 0);
   // a time that stands twice is no beginning of another drop
   EXPECT_THROW(read("time (s)\n1.0\n1.4\n1.4\n1.7\n"), FileError);
 }

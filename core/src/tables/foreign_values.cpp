@@ -464,11 +464,14 @@ Times times_of_intervals(const Sequence& sequence, double unit_s) {
 
 std::vector<std::int64_t> drops_of(std::span<const double> t_s) {
   std::vector<std::int64_t> drops;
-  double interval_s = 0.0;
+  double interval_s = 0.0, before_s = 0.0;
   for (std::size_t k = 0; k < t_s.size(); ++k) {
     const double here_s = k == 0 ? 0.0 : t_s[k] - t_s[k - 1];
-    const bool begins = k > 0 && (here_s < 0.0 || (interval_s > 0.0 && here_s > kMissed * interval_s));
+    // a mark too many parts an interval in two, of which one may be short
+    const double longer_s = std::max(interval_s, before_s);
+    const bool begins = k > 0 && (here_s < 0.0 || (longer_s > 0.0 && here_s > kMissed * longer_s));
     drops.push_back(k == 0 ? 0 : drops.back() + (begins ? 1 : 0));
+    before_s = begins ? 0.0 : interval_s;
     interval_s = begins ? 0.0 : here_s;
   }
   return drops;

@@ -82,16 +82,17 @@ struct TakenTable {
 
 /// Impact times, or the intervals between them, as the table of onsets that onsets_from_table reads. Columns are chosen
 /// by their titles, else by their numbers; a row of at least three is read like a column. Where no column tells the
-/// drops apart, one begins where times go back, an interval is kMissed times as long as that before it (of times), or
-/// an interval grows by half (of intervals).
+/// drops apart, one begins where times go back, an interval is kMissed times as long as either of the two before it (of
+/// times), or an interval grows by half (of intervals).
 /// @throws FileError with the remedy: no column of times, a unit that cannot be told, times that are equally spaced as
 ///         a video's are
 TakenTable onsets_from_foreign(const ForeignTable& table, const std::string& name, const ForeignOptions& options);
 
-/// Of several drops in a row a new one begins where an interval is so many times that before it: with one impact
-/// missed it is 1 + eps times, with two 1 + eps + eps^2, which is below 3.
+/// Of several drops in a row a new one begins where an interval is so many times either of the two before it: with one
+/// impact missed it is 1 + eps times, with two 1 + eps + eps^2, which is below 3.
 inline constexpr double kMissed = 3.0;
-/// The drop of each time, from 0: a new one begins where times go back or an interval is kMissed times that before it.
+/// The drop of each time, from 0: a new one begins where times go back or an interval is kMissed times either of
+/// the two before it, of which a mark too many makes one short.
 std::vector<std::int64_t> drops_of(std::span<const double> t_s);
 
 /// Speeds and coefficients of restitution that others measured, as the table that samples_from_table reads.
