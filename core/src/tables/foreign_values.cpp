@@ -161,7 +161,7 @@ bool are_columns_of_drops(const ForeignTable& table, const std::vector<std::size
 [[noreturn]] void refuse_columns_of_drops(const ForeignTable& table, std::size_t one, std::size_t other,
                                           const std::string& name) {
   throw FileError(name, "has a column for each drop (" + column_name(table, one) + ", " + column_name(table, other) +
-                            " ...); write them below each other, with a column drop");
+                            " ...); write them below each other, with a column drop, or name one: --columns t=COLUMN");
 }
 
 /// "T1", "T3", "T2": in which order the numbers were measured is not known.
