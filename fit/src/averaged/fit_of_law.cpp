@@ -182,8 +182,9 @@ std::vector<LawModel> models_of(const LawData& data, const LawFitConfig& config)
   const std::size_t n = data.size();
   const double lo = data.v_mps[n / 20], hi = data.v_mps[n - 1 - n / 20];
   std::vector<LawModel> models;
-  const auto add = [&](LawKind kind, const std::vector<int>& orders) {
+  const auto add = [&](LawKind kind, const std::vector<int>& orders, bool yields = false) {
     models.push_back(make_law_model(kind, orders, data.v_mps));
+    models.back().yields = yields;
   };
   const LawFitConfig usual;
   if (config.kind != usual.kind || config.orders != usual.orders) {
@@ -194,10 +195,8 @@ std::vector<LawModel> models_of(const LawData& data, const LawFitConfig& config)
   if (n < 4 || hi < kOneSpeed * lo) return models;
   add(LawKind::viscoelastic, {});
   for (const bool yields : {false, true}) {
-    add(LawKind::slope, {});
-    models.back().yields = yields;
-    if (n > 5) add(LawKind::series, config.orders);
-    models.back().yields = yields;
+    add(LawKind::slope, {}, yields);
+    if (n > 5) add(LawKind::series, config.orders, yields);
   }
   if (std::optional<LawModel> step = step_of(data)) models.push_back(*std::move(step));
   return models;
