@@ -168,7 +168,12 @@ Detection detect_in(const std::vector<audio::AudioSource>& channels, std::vector
                                                               : "its impacts are the most probable and rise the most";
   if (config.channel || with_sound.empty()) with_sound = {config.channel.value_or(0)};
   std::vector<audio::AudioSource> searched;
-  for (const int channel : with_sound) searched.push_back(channels[static_cast<std::size_t>(channel)]);
+  std::vector<double> begin_s;
+  for (const int channel : with_sound) {
+    audio::PartOfSource part = audio::without_zeros_around(channels[static_cast<std::size_t>(channel)]);
+    searched.push_back(std::move(part.sound));
+    begin_s.push_back(part.begin_s);
+  }
   ChosenChannel best = choose_channel(searched, n_threads, progress);
   const audio::AudioSource& sound = searched[best.channel];
   const BandOfChannel& band = best.band;
@@ -178,7 +183,7 @@ Detection detect_in(const std::vector<audio::AudioSource>& channels, std::vector
   d.summary.channel = with_sound[best.channel];
   d.summary.channel_reason = channel_reason;
   d.summary.n_gaps = static_cast<int>(sound.silences.size());
-  d.summary.duration_s = static_cast<double>(sound.n_samples) / sound.rate_hz;
+  d.summary.duration_s = static_cast<double>(channels.front().n_samples) / sound.rate_hz;
   d.summary.noise_rms = std::sqrt(band.models.noise.quiet_variance);
   const auto drops_of = [&](const BandOfChannel& of, const std::vector<Track>& tracks) {
     return BandOfDrops{.sound = of.sound,
@@ -205,11 +210,14 @@ Detection detect_in(const std::vector<audio::AudioSource>& channels, std::vector
   if (band.models.noise.quiet_variance > 0.0) d.noise = noise_spectrum(band);
   set_status(n_short, config.min_impacts, band.candidates, d);
   d.warnings = warnings_for(d, band, timed.is_full_band);
+  const double moved_s = begin_s[best.channel];
+  for (Onset& onset : d.onsets) onset.t_s += moved_s;
+  for (DropSummary& drop : d.drops) drop.begin_s += moved_s;
   if (const auto& second = best.found.second_ball; second && !d.onsets.empty())
     d.warnings.push_back(
         formatted("a second ball seems to bounce at the same time, %zu impacts from %.2f s on: it is "
                   "not among the results",
-                  second->n_impacts, second->begin_s));
+                  second->n_impacts, second->begin_s + moved_s));
   return d;
 }
 

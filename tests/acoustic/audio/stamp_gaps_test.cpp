@@ -34,7 +34,7 @@ TEST(StampGaps, AreThoseOfTheBlocksThatWereLost) {
     const std::vector<std::pair<int, int>> expected{{30, 1}, {99, 2}, {101, 1}, {392, 1}};  // blocks before, lost
     for (std::size_t k = 0; k < gaps.size(); ++k) {
       EXPECT_NEAR(gaps[k].after_s, kBlock_s * expected[k].first, 1e-9) << k;
-      EXPECT_NEAR(gaps[k].length_s, kBlock_s * expected[k].second, 1e-9) << k;  // whole blocks, in spite of rounding
+      EXPECT_NEAR(gaps[k].length_s(), kBlock_s * expected[k].second, 1e-9) << k;  // whole blocks, in spite of rounding
     }
   }
 }
@@ -52,7 +52,7 @@ TEST(StampGaps, AreNotMadeOfJitterRoundingOrDrift) {
 TEST(StampGaps, OfStampsThatGoBackAreOverlaps) {
   const std::vector<StampGap> gaps = gaps_between(blocks({}, [](double t) { return t < 2.0 ? t : t - 0.1; }));
   ASSERT_EQ(gaps.size(), 1U);
-  EXPECT_NEAR(gaps[0].length_s, -0.1, 1e-9);
+  EXPECT_NEAR(gaps[0].length_s(), -0.1, 1e-9);
   SoundInfo info;
   say_gaps(gaps, info);
   EXPECT_TRUE(info.silences.empty());

@@ -5,12 +5,15 @@
 #include <cmath>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/text.hpp"
 
 namespace bouncelab::audio {
 namespace {
+
+constexpr double kLeastZeros_s = 1.0;
 
 /// By the bits: the exponent of what is not finite is all ones, and of samples from 2^40 on the squares' sums would not
 /// be finite.
@@ -55,6 +58,37 @@ void read_padded(const AudioSource& source, std::int64_t first, std::span<float>
   std::fill(out.begin(), out.begin() + (lo - first), 0.0F);
   std::fill(out.begin() + (hi - first), out.end(), 0.0F);
   if (hi > lo) source.read(lo, out.subspan(lo - first, hi - lo));
+}
+
+PartOfSource without_zeros_around(const AudioSource& source) {
+  constexpr std::int64_t kAtOnce = 1 << 13;
+  const auto is_sound = [](float x) { return std::abs(x) >= kLeastSound; };
+  std::vector<float> x;
+  std::int64_t begin = 0, end = source.n_samples;
+  const auto read = [&](bool from_end) {
+    x.resize(static_cast<std::size_t>(std::min(kAtOnce, end - begin)));
+    source.read(from_end ? end - std::ssize(x) : begin, x);
+  };
+  for (std::int64_t n_zeros = 0; begin < end && n_zeros == std::ssize(x); begin += n_zeros) {
+    read(false);
+    n_zeros = std::find_if(x.begin(), x.end(), is_sound) - x.begin();
+  }
+  if (begin == end) return {source};
+  const auto n_least = static_cast<std::int64_t>(kLeastZeros_s * source.rate_hz);
+  if (begin < n_least) begin = 0;
+  x.clear();
+  for (std::int64_t n_zeros = 0; n_zeros == std::ssize(x); end -= n_zeros) {
+    read(true);
+    n_zeros = std::find_if(x.rbegin(), x.rend(), is_sound) - x.rbegin();
+  }
+  if (source.n_samples - end < n_least) end = source.n_samples;
+  PartOfSource part{source, static_cast<double>(begin) / source.rate_hz};
+  part.sound.n_samples = end - begin;
+  part.sound.read = [read_all = source.read, begin](std::int64_t first, std::span<float> out) {
+    read_all(begin + first, out);
+  };
+  for (Silence& silence : part.sound.silences) silence = {silence.begin_s - part.begin_s, silence.end_s - part.begin_s};
+  return part;
 }
 
 }  // namespace bouncelab::audio

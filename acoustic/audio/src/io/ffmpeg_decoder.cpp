@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
+#include <map>
 #include <mutex>
 #include <optional>
 #include <sstream>
@@ -16,6 +16,7 @@
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/files.hpp"
 #include "bouncelab/core/numerics.hpp"
+#include "bouncelab/core/text.hpp"
 #include "io/coded_sound.hpp"
 #include "io/sound_header.hpp"
 #include "io/stamp_gaps.hpp"
@@ -100,13 +101,27 @@ constexpr const char* kContainers =
     "tta,"
     "truehd,voc,w64,wav,wsd,wtv,wv";
 
+std::vector<std::string> joined(std::vector<std::string> words, const std::vector<std::string>& more) {
+  words.insert(words.end(), more.begin(), more.end());
+  return words;
+}
+
+/// A track of sound, as ffprobe describes it.
+struct SoundTrack {
+  std::string stream;  // its number among all streams of the file
+  std::string codec, codec_in_words;
+  double rate_hz = 0.0;
+  int n_channels = 0;
+  std::string layout;  // of the channels: "stereo", "5.1(side)"; "unknown" or empty where the file does not tell
+  std::vector<StampedBlock> packets{};
+};
+
 /// One recording on its way through ffmpeg.
 struct Decoding {
   std::filesystem::path ffmpeg, ffprobe;
   std::string input;  // as ffmpeg is told
   std::string name;
   int descriptor;
-  int track;  // of sound, from 0
   std::int64_t n_bytes;
   ChildLimits limits;
 
@@ -114,10 +129,15 @@ struct Decoding {
   std::vector<std::string> opening() const {
     return {"-v", "error", "-protocol_whitelist", "file,pipe", "-format_whitelist", kContainers, "-i", input};
   }
-  std::string map() const { return "0:a:" + std::to_string(track); }
-  [[noreturn]] void refuse(const std::string& complaints) const {
-    throw FileError(name,
-                    "ffmpeg cannot decode it (" + first_line_of(complaints, input) + "); record or copy it again");
+  /// Arguments by which ffmpeg writes a track as float samples and nothing else, one after the other whatever their
+  /// time stamps. What ffprobe says of rate and channels is given back: a decoder that finds others (parametric stereo,
+  /// a rate that changes) is resampled to them, so that both agree. A layout is given where there is one, since ffmpeg
+  /// assumes a layout for a number of channels and mixes any other into it.
+  std::vector<std::string> decoding(const SoundTrack& track) const {
+    const bool has_layout = !track.layout.empty() && track.layout != "unknown";
+    return joined(opening(), {"-nostdin", "-map", "0:" + track.stream, "-af", "asetpts=N/SR/TB", "-ar",
+                              formatted("%.0f", track.rate_hz), has_layout ? "-channel_layout" : "-ac",
+                              has_layout ? track.layout : std::to_string(track.n_channels), "-f", "f32le", "pipe:1"});
   }
 };
 
@@ -125,16 +145,44 @@ struct Decoding {
 constexpr std::size_t kMostOfAnswer_bytes = std::size_t{1} << 28;
 
 constexpr const char* kShown =  // of the file
-    "packet=stream_index,pts_time,duration_time:stream=index,codec_name,codec_long_name:format=format_long_name";
+    "packet=stream_index,pts_time,duration_time:"
+    "stream=index,codec_name,codec_long_name,sample_rate,channels,channel_layout:format=format_long_name";
 
-std::vector<std::string> joined(std::vector<std::string> words, const std::vector<std::string>& more) {
-  words.insert(words.end(), more.begin(), more.end());
-  return words;
+/// The tracks of sound that ffmpeg knows the codec of, in the order of their streams.
+/// @param lines  ffprobe's answer: packets, then streams
+std::vector<SoundTrack> tracks_in(const std::string& lines) {
+  std::map<int, SoundTrack> tracks;  // by stream: a transport stream lists each under its program too
+  std::map<int, std::vector<StampedBlock>> packets;
+  std::vector<StampedBlock>* of_stream = nullptr;
+  SoundTrack* track = nullptr;
+  std::istringstream in(lines);
+  for (std::string line; std::getline(in, line);) {
+    const std::size_t equals = std::min(line.find('='), line.size());
+    const std::string key = line.substr(0, equals), value = line.substr(std::min(equals + 1, line.size()));
+    const double number = std::strtod(value.c_str(), nullptr);  // "N/A" is 0
+    if (key == "stream_index") (of_stream = &packets[static_cast<int>(number)])->emplace_back();
+    if (key == "pts_time" && of_stream && value != "N/A") of_stream->back().begin_s = number;
+    if (key == "duration_time" && of_stream) of_stream->back().length_s = number;
+    if (key == "index") (track = &tracks[static_cast<int>(number)])->stream = value;
+    if (!track) continue;
+    if (key == "codec_name") track->codec = value;
+    if (key == "codec_long_name") track->codec_in_words = value;
+    if (key == "sample_rate") track->rate_hz = number;
+    if (key == "channels") track->n_channels = static_cast<int>(number);
+    if (key == "channel_layout") track->layout = value;
+  }
+  std::vector<SoundTrack> known;
+  for (auto& [stream, of] : tracks) {
+    if (of.codec.empty() || of.codec == "unknown" || of.codec == "none") continue;
+    of.packets = std::move(packets[stream]);
+    known.push_back(std::move(of));
+  }
+  return known;
 }
 
 /// What the file is. @param reason  why libsndfile does not read it
-/// @return the packets of the track
-std::vector<StampedBlock> ask_what_it_is(const Decoding& d, const std::string& reason, SoundInfo& info) {
+/// @return the track; of a number that the file does not have: nothing, which the reader refuses
+std::optional<SoundTrack> ask_what_it_is(const Decoding& d, int number, const std::string& reason, SoundInfo& info) {
   const ProgramResult answer = run_program(
       d.ffprobe,
       joined(d.opening(), {"-select_streams", "a", "-show_entries", kShown, "-of", "default=noprint_wrappers=1"}),
@@ -144,35 +192,20 @@ std::vector<StampedBlock> ask_what_it_is(const Decoding& d, const std::string& r
   if (!answer.ended_well)
     throw FileError(d.name, "not readable as audio (libsndfile: " + reason + "; ffmpeg: " +
                                 first_line_of(answer.complaints, d.input) + "); record or copy it again");
-  struct Track {
-    std::string index, codec, codec_in_words;
-    std::vector<StampedBlock> packets{};
-  };
-  std::vector<Track> tracks;
-  std::vector<std::pair<std::string, StampedBlock>> packets;  // each with its stream
-  std::istringstream lines(answer.output);
-  for (std::string line; std::getline(lines, line);) {
-    const std::size_t equals = std::min(line.find('='), line.size());
-    const std::string key = line.substr(0, equals), value = line.substr(std::min(equals + 1, line.size()));
-    const double number = std::strtod(value.c_str(), nullptr);  // "N/A" is 0
-    if (key == "stream_index") packets.emplace_back(value, StampedBlock{});
-    if (key == "pts_time" && !packets.empty() && value != "N/A") packets.back().second.begin_s = number;
-    if (key == "duration_time" && !packets.empty()) packets.back().second.length_s = number;
-    if (key == "index") tracks.push_back({value, {}, {}});
-    if (key == "codec_name" && !tracks.empty()) tracks.back().codec = value;
-    if (key == "codec_long_name" && !tracks.empty()) tracks.back().codec_in_words = value;
-  }
+  std::vector<SoundTrack> tracks = tracks_in(answer.output);
   const std::string format = value_of(answer.output, "format_long_name");
   if (tracks.empty()) throw FileError(d.name, "holds no sound (" + format + "); name a recording with sound");
   info.n_tracks = static_cast<int>(tracks.size());
-  if (d.track < 0 || d.track >= info.n_tracks) return {};  // the reader refuses it
-  info.track = d.track;
-  Track& track = tracks[static_cast<std::size_t>(d.track)];
-  for (const auto& [index, packet] : packets)
-    if (index == track.index) track.packets.push_back(packet);
+  if (number < 0 || number >= info.n_tracks) return std::nullopt;
+  SoundTrack& track = tracks[static_cast<std::size_t>(number)];
+  if (track.rate_hz > 0.0) check_rate(track.rate_hz, d.name);
+  if (!(track.rate_hz > 0.0) || track.n_channels <= 0) throw FileError(d.name, "holds no samples; record again");
+  info.track = number;
+  info.rate_hz = track.rate_hz;
+  info.n_channels = track.n_channels;
   info.description = format + ", " + track.codec_in_words;
   if (!is_lossless(track.codec)) info.lossy_coding = name_of_coding(track.codec);
-  return track.packets;
+  return std::move(track);
 }
 
 /// In MP4 a packet lasts to the next one, lost ones included.
@@ -185,20 +218,21 @@ std::vector<StampedBlock> of_equal_length(std::vector<StampedBlock> packets) {
   return packets;
 }
 
-/// The blocks of samples as they are decoded, with their time stamps.
-std::vector<StampedBlock> decoded_blocks(const Decoding& d) {
-  const ProgramResult answer = run_program(
-      d.ffmpeg, joined(d.opening(), {"-nostdin", "-map", d.map(), "-c:a", "pcm_f32le", "-f", "framecrc", "pipe:1"}),
-      d.name, d.descriptor, d.limits, kMostOfAnswer_bytes);
+/// The blocks of samples as they are decoded, with their time stamps; a stamp that is missing is where the block before
+/// ends.
+std::vector<StampedBlock> decoded_blocks(const Decoding& d, const SoundTrack& track) {
+  const ProgramResult answer =
+      run_program(d.ffprobe,
+                  joined(d.opening(), {"-select_streams", track.stream, "-show_entries",
+                                       "frame=best_effort_timestamp_time,nb_samples", "-of", "csv=print_section=0"}),
+                  d.name, d.descriptor, d.limits, kMostOfAnswer_bytes);
   std::vector<StampedBlock> blocks;
   std::istringstream lines(answer.output);
-  double unit_s = 0.0;
   for (std::string line; std::getline(lines, line);) {
-    long long numerator = 0, denominator = 0, dts = 0, pts = 0, length = 0;
-    if (std::sscanf(line.c_str(), "#tb 0: %lld/%lld", &numerator, &denominator) == 2 && denominator > 0)
-      unit_s = static_cast<double>(numerator) / static_cast<double>(denominator);
-    if (std::sscanf(line.c_str(), "0, %lld, %lld, %lld", &dts, &pts, &length) == 3)
-      blocks.push_back({unit_s * static_cast<double>(pts), unit_s * static_cast<double>(length)});
+    const double n_samples = std::strtod(line.c_str() + std::min(line.find(',') + 1, line.size()), nullptr);
+    const double next_s = blocks.empty() ? 0.0 : blocks.back().begin_s + blocks.back().length_s;
+    blocks.push_back(
+        {line.rfind("N/A", 0) == 0 ? next_s : std::strtod(line.c_str(), nullptr), n_samples / track.rate_hz});
   }
   return blocks;
 }
@@ -216,7 +250,7 @@ class SamplesByTheClock {
       const auto n_here = static_cast<std::size_t>(std::max<std::int64_t>(0, n_before));
       take(decoded.first(n_here));
       decoded = decoded.subspan(n_here);
-      const std::int64_t n = samples_in(gaps_.front().length_s);
+      const std::int64_t n = samples_in(gaps_.front().length_s());
       gaps_.erase(gaps_.begin());
       if (n < 0) n_to_skip_ -= n;
       constexpr std::int64_t kAtOnce = 1 << 14;
@@ -239,32 +273,20 @@ class SamplesByTheClock {
   std::int64_t n_decoded_ = 0, n_to_skip_ = 0;  // of all channels
 };
 
-/// The sound as ffmpeg writes it, a WAV file of floats. @return frames
-std::int64_t take_sound(const Decoding& d, ChildProcess& running, const std::vector<StampGap>& gaps, SoundInfo& info,
-                        DecodedSamples& samples) {
+/// The sound as ffmpeg writes it: samples and nothing else. @return frames
+std::int64_t take_sound(const Decoding& d, ChildProcess& running, const std::vector<StampGap>& gaps,
+                        const SoundInfo& info, DecodedSamples& samples) {
   SamplesByTheClock by_the_clock(samples, gaps);
-  std::vector<std::byte> piece(kFfmpegSamplesAtOnce * sizeof(float));
-  piece.resize(running.read(piece));
-  SoundBytes begin{std::span<const std::byte>(piece)};
-  const std::optional<PlainSound> sound = plain_sound(begin, d.name);
-  if (!sound) {
-    if (running.ended_well() && running.complaints().empty()) throw FileError(d.name, "holds no samples; record again");
-    d.refuse(running.complaints());
-  }
-  info.rate_hz = sound->info.rate_hz;
-  info.n_channels = sound->info.n_channels;
-  std::int64_t n_head = sound->first_byte;  // bytes of the piece: a multiple of four
-  while (n_head < std::ssize(piece)) {
-    std::vector<float> floats((piece.size() - static_cast<std::size_t>(n_head)) / sizeof(float));
-    std::memcpy(floats.data(), piece.data() + n_head, floats.size() * sizeof(float));
-    by_the_clock.append(floats, info);
+  std::vector<float> piece(kFfmpegSamplesAtOnce);
+  while (const std::size_t n = running.read(std::as_writable_bytes(std::span(piece))) / sizeof(float)) {
+    by_the_clock.append(std::span(piece).first(n), info);
     if (samples.size() / info.n_channels / kMostFfmpegFramesPerByte > d.n_bytes)
       throw FileError(d.name, "ffmpeg finds no end of it: damaged? record or copy it again");
-    n_head = 0;
-    piece.resize(kFfmpegSamplesAtOnce * sizeof(float));
-    piece.resize(running.read(piece));
   }
-  return samples.size() / info.n_channels;
+  if (samples.size() > 0) return samples.size() / info.n_channels;
+  if (running.ended_well() && running.complaints().empty()) throw FileError(d.name, "holds no samples; record again");
+  throw FileError(d.name, "ffmpeg cannot decode it (" + first_line_of(running.complaints(), d.input) +
+                              "); record or copy it again");
 }
 
 }  // namespace
@@ -277,7 +299,6 @@ SoundInfo decode_by_ffmpeg(const std::filesystem::path& path, const ReadableFile
              {},
              file.name(),
              file.descriptor(),
-             track,
              n_bytes,
              {kLeastOfFfmpeg_cpu_s + kCpuSecondsPerByte * static_cast<double>(n_bytes)}};
   const std::string content = readable(path).native();
@@ -286,13 +307,11 @@ SoundInfo decode_by_ffmpeg(const std::filesystem::path& path, const ReadableFile
   d.input = "file:" + (is_of_this_process ? "/dev/fd/" + std::to_string(ChildProcess::kHandedOver) : content);
   SoundInfo info;
   std::vector<StampGap> gaps;
+  const std::optional<SoundTrack> of_file = ask_what_it_is(d, track, reason, info);
+  if (!of_file) return info;
   // packets show whether there are any; where they lie in the samples, the decoder's delay taken out, its blocks do
-  if (!gaps_between(of_equal_length(ask_what_it_is(d, reason, info))).empty()) gaps = gaps_between(decoded_blocks(d));
-  if (track >= info.n_tracks) return info;
-  ChildProcess running(d.ffmpeg,
-                       joined(d.opening(), {"-nostdin", "-map", d.map(), "-fflags", "+bitexact", "-c:a", "pcm_f32le",
-                                            "-f", "wav", "pipe:1"}),
-                       d.name, d.descriptor, d.limits);
+  if (!gaps_between(of_equal_length(of_file->packets)).empty()) gaps = gaps_between(decoded_blocks(d, *of_file));
+  ChildProcess running(d.ffmpeg, d.decoding(*of_file), d.name, d.descriptor, d.limits);
   info.n_frames = take_sound(d, running, gaps, info, samples);
   const bool ended_well = running.ended_well();
   if (!ended_well || !running.complaints().empty())

@@ -16,8 +16,13 @@ struct StampedBlock {
 
 /// Where the time stamps run ahead of the samples, or go back.
 struct StampGap {
-  double after_s = 0.0;   ///< samples that come before it, in seconds
-  double length_s = 0.0;  ///< below 0: the samples that follow overlap those before
+  double after_s = 0.0;    ///< samples that come before it, in seconds
+  double stamped_s = 0.0;  ///< by the time stamps; below 0: the samples that follow overlap those before
+
+  /// A pause of more than a minute, or a clock that begins anew (files that were joined).
+  bool is_jump() const;
+  /// What stands for it between the samples: the gap itself; for a jump, forward or back, a minute of silence.
+  double length_s() const;
 };
 
 /// A gap is a step of the stamps against the lengths before them that stays: the least of the eight stamps that follow

@@ -2,6 +2,7 @@
 #include "whitening/linear_prediction.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <complex>
 #include <cstdint>
 #include <numbers>
@@ -18,13 +19,27 @@ constexpr std::int64_t kMostBlocks = 48;
 // keeps Levinson's recursion regular where a codec left nothing above its cutoff: -80 dB of the differenced signal
 constexpr double kRidge = 1e-8;
 
-/// Blocks spread evenly over the recording; all of it where it is short.
+/// Begins of blocks spread evenly over the sound; all of it where it is short. Blocks of zeros (a muted microphone, a
+/// noise gate) are no sound: where they are among the first choice, all blocks are read for those that are.
 std::vector<std::int64_t> block_starts(const audio::AudioSource& source, std::int64_t length) {
   const std::int64_t n_all = (source.n_samples + length - 1) / length;
-  const std::int64_t n = std::min(n_all, kMostBlocks);
-  std::vector<std::int64_t> starts;
-  for (std::int64_t k = 0; k < n; ++k) starts.push_back(k * n_all / n * length);
-  return starts;
+  std::vector<float> block(static_cast<std::size_t>(length));
+  const auto has_sound = [&](std::int64_t start) {
+    read_padded(source, start, block);
+    return std::any_of(block.begin(), block.end(), [](float x) { return std::abs(x) >= audio::kLeastSound; });
+  };
+  std::vector<std::int64_t> all, chosen;
+  for (std::int64_t k = 0; k < n_all; ++k) all.push_back(k * length);
+  const auto choose = [&] {
+    const std::int64_t n = std::min(std::ssize(all), kMostBlocks);
+    chosen.clear();
+    for (std::int64_t k = 0; k < n; ++k) chosen.push_back(all[static_cast<std::size_t>(k * std::ssize(all) / n)]);
+  };
+  choose();
+  if (n_all <= kMostBlocks || std::all_of(chosen.begin(), chosen.end(), has_sound)) return chosen;
+  std::erase_if(all, [&](std::int64_t start) { return !has_sound(start); });
+  choose();
+  return chosen;
 }
 
 std::vector<float> hann(std::size_t n) {

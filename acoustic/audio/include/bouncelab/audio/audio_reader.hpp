@@ -35,6 +35,20 @@ AudioSource source_in_memory(std::span<const float> samples, double rate_hz);
 /// Reads samples first ... first + out.size() - 1; those outside the recording are 0.
 void read_padded(const AudioSource& source, std::int64_t first, std::span<float> out);
 
+/// Samples below this are zeros: half a step of 32-bit samples. A decoder of Opus makes 2e-34 of a zero.
+inline constexpr float kLeastSound = 0x1p-32F;
+
+/// A part of a recording.
+struct PartOfSource {
+  AudioSource sound;
+  double begin_s = 0.0;  ///< in the recording
+};
+
+/// The recording without the zeros before its first and after its last sound (a muted microphone, a screen recorder),
+/// as if it had been begun later and stopped earlier. Zeros of less than a second stay: so much belongs to a recording
+/// as devices begin it. All of it where it holds nothing but zeros. Reads the zeros only.
+PartOfSource without_zeros_around(const AudioSource& source);
+
 /// Index of the first sample that is infinite or no number, or how many samples there are.
 std::size_t first_unusable(std::span<const float> samples);
 
