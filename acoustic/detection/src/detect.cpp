@@ -185,12 +185,17 @@ Detection detect_in(const std::vector<audio::AudioSource>& channels, std::vector
   d.summary.n_gaps = static_cast<int>(sound.silences.size());
   d.summary.duration_s = static_cast<double>(channels.front().n_samples) / sound.rate_hz;
   d.summary.noise_rms = std::sqrt(band.models.noise.quiet_variance);
+  std::vector<double> impacts_s;
+  for (const Track& track : best.found.tracks)
+    for (const TrackImpact& impact : track.impacts) impacts_s.push_back(band.candidates[impact.candidate].t_s);
+  const ClippingLimits limits = find_clipping_limits(sound, impacts_s);
   const auto drops_of = [&](const BandOfChannel& of, const std::vector<Track>& tracks) {
     return BandOfDrops{.sound = of.sound,
                        .whole = of.decimation == 1 ? std::nullopt : std::optional(sound),
                        .noise = of.models.noise,
                        .candidates = of.candidates,
                        .tracks = tracks,
+                       .limits = limits,
                        .recorded_rms_hz = {}};
   };
   std::vector<BandOfDrops> other_bands;

@@ -100,11 +100,12 @@ void write_text(const Run& run, const fs::path& path, const std::string& content
 
 OutputFolder::OutputFolder(fs::path folder) : folder_(std::move(folder)) {
   if (folder_ == "-") throw InvalidArgument("--out -: the name of a folder is needed");
-  std::error_code error;
+  std::error_code error, unknown;
   created_ = fs::create_directories(folder_, error);
-  if (!fs::is_directory(folder_, error))
-    throw FileError(folder_.string(), "cannot be made a folder (" + (error ? error.message() : "it is a file") +
-                                          "); choose another --out");
+  if (!fs::is_directory(folder_, unknown))
+    throw FileError(folder_.string(), "the folder of the results cannot be made (" +
+                                          (error ? error.message() : "there is a file of that name") +
+                                          "); name one that may be written: --out FOLDER");
   lock_.emplace(folder_);
   remove_abandoned_files(folder_);
 }

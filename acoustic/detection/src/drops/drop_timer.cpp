@@ -17,19 +17,6 @@
 namespace bouncelab::detection {
 namespace {
 
-/// Whether a recording is at its limit within 5 ms after t_s: three successive samples of the same value, the largest
-/// in magnitude there.
-bool is_clipped(const audio::AudioSource& sound, double t_s) {
-  constexpr double kAround_s = 5e-3;
-  std::vector<float> x(static_cast<std::size_t>(kAround_s * sound.rate_hz) + 3);
-  audio::read_padded(sound, std::llround(t_s * sound.rate_hz) - 1, x);
-  float largest = 0.0F;
-  for (const float value : x) largest = std::max(largest, std::abs(value));
-  for (std::size_t k = 2; k < x.size(); ++k)
-    if (std::abs(x[k]) == largest && largest > 0.0F && x[k - 1] == x[k] && x[k - 2] == x[k]) return true;
-  return false;
-}
-
 /// Times of the candidates, where there is no template.
 std::vector<TimedImpact> times_of_candidates(const BandOfDrops& band, const Track& track) {
   std::vector<TimedImpact> impacts;
@@ -59,8 +46,8 @@ double scaling_of_strongest(const std::vector<TimedImpact>& impacts) {
 
 }  // namespace
 
-void mark_clipped(const audio::AudioSource& whole, std::vector<TimedImpact>& impacts) {
-  for (TimedImpact& impact : impacts) impact.clipped = is_clipped(whole, impact.fit.t_s);
+void mark_clipped(const BandOfDrops& band, std::vector<TimedImpact>& impacts) {
+  for (TimedImpact& impact : impacts) impact.clipped = band.limits.are_reached(band.recorded(), impact.fit.t_s);
 }
 
 void set_speeds(double gravity_mps2, std::vector<TimedImpact>& impacts) {
@@ -83,7 +70,7 @@ std::optional<ImpactTemplate> template_of(const BandOfDrops& band, const std::ve
   for (const Track& track : tracks)
     for (const TrackImpact& impact : track.impacts) {
       impacts.push_back(band.candidates[impact.candidate]);
-      clipped.push_back(is_clipped(band.recorded(), impacts.back().t_s));
+      clipped.push_back(band.limits.are_reached(band.recorded(), impacts.back().t_s));
     }
   return estimate_template(white, band.noise, impacts, clipped);
 }
@@ -94,7 +81,7 @@ TimedDrop time_drop(const BandOfDrops& band, const Track& track, const ImpactTem
   drop.impacts = learned != nullptr ? time_track(white, *learned, track, band.candidates, end_s)
                                     : times_of_candidates(band, track);
   set_speeds(gravity_mps2, drop.impacts);
-  mark_clipped(band.recorded(), drop.impacts);
+  mark_clipped(band, drop.impacts);
   if (learned == nullptr) return drop;
   drop.peak = learned->peak;
   drop.correlation = learned->correlation;
@@ -114,7 +101,7 @@ TimedDrop time_drop(const BandOfDrops& band, const Track& track, const ImpactTem
   if (drop.contact) evidence.push_back(*drop.contact);
   const ContactLaw law = pool_contacts(evidence, assumed_contact(*drop.rms_hz));
   if (separate_overlaps(white, *learned, law, drop.reference_scaling, drop.impacts))
-    mark_clipped(band.recorded(), drop.impacts);  // at their new times
+    mark_clipped(band, drop.impacts);  // at their new times
   return drop;
 }
 

@@ -9,6 +9,7 @@
 #include "candidates/candidates.hpp"
 #include "contact/contact_time.hpp"
 #include "delay/timed_impact.hpp"
+#include "drops/clipping.hpp"
 #include "template/impact_template.hpp"
 #include "tracking/tracker.hpp"
 #include "whitening/linear_prediction.hpp"
@@ -23,6 +24,7 @@ struct BandOfDrops {
   ArModel noise;                            ///< of the band
   std::vector<Candidate> candidates;
   std::vector<Track> tracks;  ///< of these candidates
+  ClippingLimits limits;      ///< of the sound as recorded
   /// root mean square frequency of the impacts in the whole sound [Hz]; absent where it is the template's own
   std::optional<double> recorded_rms_hz;
 
@@ -57,6 +59,6 @@ TimedDrop time_drop(const BandOfDrops& band, const Track& track, const ImpactTem
 void set_speeds(double gravity_mps2, std::vector<TimedImpact>& impacts);
 
 /// Marks the impacts at which the recording is at its limit.
-void mark_clipped(const audio::AudioSource& whole, std::vector<TimedImpact>& impacts);
+void mark_clipped(const BandOfDrops& band, std::vector<TimedImpact>& impacts);
 
 }  // namespace bouncelab::detection

@@ -110,7 +110,7 @@ void add_drops_of_other_band(const BandOfDrops& band, double gravity_mps2, const
         n_added += add_impacts_of_other_band(shown, begin_s, end_s, drop);
     if (n_added == 0) continue;
     set_speeds(gravity_mps2, drop.impacts);
-    mark_clipped(band.recorded(), drop.impacts);
+    mark_clipped(band, drop.impacts);
   }
 }
 
