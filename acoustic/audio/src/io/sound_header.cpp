@@ -121,7 +121,9 @@ std::optional<Samples> samples_in_chunks(SoundBytes& bytes, Kind kind) {
     const std::optional<Chunk> chunk = chunk_at(bytes, layout, at);
     if (!chunk) return std::nullopt;
     if (chunk->name == (kind == Kind::aiff ? "SSND" : "data")) {
-      const std::int64_t offset = kind == Kind::aiff ? 8 : 0;  // two numbers come first
+      // two numbers come first; one of them is of bytes before the first frame
+      const std::int64_t offset =
+          kind == Kind::aiff ? 8 + static_cast<std::int64_t>(number_in(bytes.text(chunk->begin, 4), true)) : 0;
       s.begin = chunk->begin + offset;
       s.promised = chunk->length - std::min(chunk->length, static_cast<std::uint64_t>(offset));
       s.has_64_bits |= length_64.has_value();
@@ -404,8 +406,8 @@ std::string wrong_length(const SoundInfo& found, std::optional<double> n_promise
   if (!n_promised)
     return "the header gives no length (written to a pipe, or not to its end?): the " + held +
            " that are there were read";
-  return "the header promises " + samples(*n_promised) + ", the file holds " + held +
-         ": those were read; is it cut off?";
+  return "the header promises " + samples(*n_promised) + ", the file holds " + held + ": those were read" +
+         (static_cast<double>(found.n_frames) < *n_promised ? "; is it cut off?" : "");
 }
 
 }  // namespace bouncelab::audio

@@ -17,8 +17,8 @@ struct ClippingLimits {
   bool are_reached(const audio::AudioSource& sound, double t_s) const;
 };
 
-/// A limit is the largest value of a recording, or the smallest, if more than one impact reaches it, and below full scale
-/// stays at it for two samples: two crests may be equal by chance, or two samples of the crest of a slow wave.
+/// A limit is the largest value of a recording, or the smallest, if more than one impact reaches it, and below full
+/// scale stays at it for two samples: two crests may be equal by chance, or two samples of the crest of a slow wave.
 /// @param impacts_s  times of the impacts [s]
 ClippingLimits find_clipping_limits(const audio::AudioSource& sound, const std::vector<double>& impacts_s);
 
