@@ -71,6 +71,16 @@ TEST_F(Files, NoOutputReplacesAnInput) {
   expect_one_line_error(run("analyze rec.wav --out out --force"), 2, {"out/wave.json", "is the input"});
 }
 
+TEST_F(Files, AFolderOfResultsThatCannotBeMadeSaysWhyAndWhatToDo) {
+  write("rec.wav", float_wav(bouncing(12), 44100));
+  // nobody makes a folder in /sys, root neither
+  const Result result = run("analyze rec.wav --out /sys/bouncelab");
+  expect_one_line_error(result, 3, {"/sys/bouncelab", "cannot be made (", "--out FOLDER"});
+  EXPECT_THAT(result.err, testing::Not(testing::HasSubstr("No such file")));
+  write("file", "x");
+  expect_one_line_error(run("analyze rec.wav --out file"), 3, {"file", "cannot be made (", "--out FOLDER"});
+}
+
 TEST_F(Files, AProvenanceReplacesNothingOfTheUsersAndFollowsNoLink) {
   write("s.csv.meta.json", "{\"mine\": 1}");
   expect_one_line_error(run("restitution on.csv --out s.csv"), 3, {"s.csv.meta.json", "exists already"});

@@ -75,6 +75,59 @@ TEST_F(Ffmpeg, GivesEachSampleInTheRecordingsRateAndChannels) {
   expect_samples(reader, 12345, 10);
 }
 
+TEST_F(Ffmpeg, FourChannelsStayWhatTheyAreWhateverTheirLayout) {
+  // ffmpeg would mix "quad" into the layout that it assumes for four channels, "4.0"
+  std::vector<std::int16_t> x;
+  for (std::int64_t k = 0; k < 4 * 1000; ++k) x.push_back(sample(k));
+  std::ofstream(folder_ / "raw", std::ios::binary)
+      .write(reinterpret_cast<const char*>(x.data()), static_cast<std::streamsize>(x.size() * sizeof x[0]));
+  for (const std::string layout : {"-channel_layout quad", "-channel_layout 4.0", ""}) {
+    const std::string command = "cd '" + folder_.path().string() + "' && ffmpeg -v error -f s16le -ar 48000 -ac 4 " +
+                                layout + " -i raw -c:a pcm_s16le -y four.mov";
+    ASSERT_EQ(std::system(command.c_str()), 0);
+    const AudioReader reader(folder_ / "four.mov");
+    ASSERT_EQ(reader.format().n_channels, 4) << layout;
+    std::vector<float> got(1000);
+    for (int channel = 0; channel < 4; ++channel) {
+      reader.read(0, channel, got);
+      for (std::size_t k = 0; k < got.size(); ++k)
+        ASSERT_EQ(got[k], static_cast<float>(x[4 * k + static_cast<std::size_t>(channel)]) * 0x1p-15F) << layout;
+    }
+  }
+}
+
+TEST_F(Ffmpeg, TheOneTrackOfATransportStreamIsOneTrack) {
+  const auto folder = movie(48000).parent_path().string();
+  const std::string command = "cd '" + folder + "' && ffmpeg -v error -i sound.mov -c:a mp2 -y camera.mts";
+  ASSERT_EQ(std::system(command.c_str()), 0);
+  EXPECT_EQ(AudioReader(folder_ / "camera.mts").format().n_tracks, 1);
+}
+
+TEST_F(Ffmpeg, APauseOfAnHourBetweenTimeStampsIsSaid) {
+  const auto folder = movie(3 * 48000).parent_path().string();
+  for (const std::string name : {"hour.mp4", "hour.mkv"}) {
+    const std::string command = "cd '" + folder +
+                                "' && ffmpeg -v error -i sound.mov -c:a aac -y full.mp4 && ffmpeg -v error -i full.mp4 "
+                                "-c copy -bsf:a \"setts=ts='if(gte(N,60),PTS+3600/TB,PTS)'\" -y " +
+                                name;
+    ASSERT_EQ(std::system(command.c_str()), 0);
+    const AudioReader reader(folder_ / name);
+    EXPECT_THAT(reader.format().warning, HasSubstr("60 s of silence stand for the jump")) << name;
+    EXPECT_NEAR(static_cast<double>(reader.format().n_frames) / 48000.0, 63.0, 0.1) << name;  // blocks of 21 ms
+  }
+}
+
+TEST_F(Ffmpeg, AVorbisStreamMadeOfAnotherIsReadThoughItsLastStampRunsAhead) {
+  const auto folder = movie(3 * 48000).parent_path().string();
+  const std::string command = "cd '" + folder +
+                              "' && ffmpeg -v error -i sound.mov -c:a libvorbis -y a.ogg && ffmpeg -v error -i a.ogg "
+                              "-c:a libvorbis -y b.ogg";
+  if (std::system(command.c_str()) != 0) GTEST_SKIP() << "this ffmpeg has no encoder of Vorbis";
+  const AudioReader reader(folder_ / "b.ogg");
+  EXPECT_NEAR(static_cast<double>(reader.format().n_frames), 3 * 48000, 8192);  // a block
+  EXPECT_EQ(reader.format().warning, "");
+}
+
 TEST_F(Ffmpeg, ALongRecordingIsReadAtAnyPlace) {
   // more samples than are held in memory
   AudioReader reader(movie(9'000'000));

@@ -6,9 +6,11 @@
 #include <cmath>
 #include <functional>
 #include <set>
+#include <string>
 #include <vector>
 
 #include "bouncelab/core/random.hpp"
+#include "bouncelab/core/text.hpp"
 
 namespace bouncelab::audio {
 namespace {
@@ -57,6 +59,21 @@ TEST(StampGaps, OfStampsThatGoBackAreOverlaps) {
   say_gaps(gaps, info);
   EXPECT_TRUE(info.silences.empty());
   EXPECT_NE(info.warning.find("0.1 s of sound overlap"), std::string::npos) << info.warning;
+}
+
+TEST(StampGaps, AJumpOfTheClockIsAMinuteOfSilenceAndSaidWithItsLength) {
+  // an hour, ten years; and back to the begin, as where two files were joined
+  for (const double jump_s : {3600.0, 3.2e8, -2.0}) {
+    const std::vector<StampGap> gaps = gaps_between(blocks({}, [&](double t) { return t < 3.0 ? t : t + jump_s; }));
+    ASSERT_EQ(gaps.size(), 1U);
+    EXPECT_NEAR(gaps[0].stamped_s, jump_s, 0.5 * kBlock_s);  // to a block
+    SoundInfo info;
+    say_gaps(gaps, info);
+    ASSERT_EQ(info.silences.size(), 1U);
+    EXPECT_EQ(info.silences[0].end_s - info.silences[0].begin_s, 60.0);
+    EXPECT_NE(info.warning.find(formatted("jump by %.0f s at 3.0", jump_s)), std::string::npos) << info.warning;
+    EXPECT_EQ(info.warning.find("its times are kept"), std::string::npos) << info.warning;
+  }
 }
 
 TEST(StampGaps, SilencesLieWhereTheClockSays) {

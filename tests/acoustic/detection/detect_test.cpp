@@ -71,6 +71,37 @@ TEST(Detect, TellsTwoDropsApart) {
   }
 }
 
+TEST(Detect, ZerosAroundARecordingChangeNothingButItsBegin) {
+  // ten minutes of a muted microphone, a decoder's zeros (Opus) among them; after the drop, and around two far apart
+  test::BouncingSound b;
+  b.rate_hz = 8000.0;
+  b.n_impacts = 20;
+  const std::vector<float> sound = render(b);
+  const auto minutes = [&](double n, float zero) {
+    return std::vector<float>(static_cast<std::size_t>(n * 60.0 * b.rate_hz), zero);
+  };
+  const auto joined = [](std::vector<float> x, const std::vector<float>& y) {
+    x.insert(x.end(), y.begin(), y.end());
+    return x;
+  };
+  const Detection expected = detect(sound, b.rate_hz, "sound");
+  ASSERT_EQ(expected.onsets.size(), 20U);
+  for (const float zero : {0.0F, 2e-34F}) {
+    const std::vector<float> muted = joined(joined(minutes(10.0, zero), sound), minutes(5.0, zero));
+    const Detection d = detect(muted, b.rate_hz, "muted");
+    ASSERT_EQ(d.onsets.size(), expected.onsets.size());
+    EXPECT_EQ(d.summary.duration_s, static_cast<double>(muted.size()) / b.rate_hz);
+    for (std::size_t k = 0; k < d.onsets.size(); ++k) {
+      EXPECT_NEAR(d.onsets[k].t_s - 600.0, expected.onsets[k].t_s, 1e-12);  // rounding at 600 s
+      EXPECT_EQ(d.onsets[k].sigma_t_s, expected.onsets[k].sigma_t_s);
+    }
+  }
+  // noise is learned where there is sound, of which evenly spread blocks would meet none in four hours
+  const Detection far = detect(joined(joined(sound, minutes(240.0, 0.0F)), sound), b.rate_hz, "far apart");
+  EXPECT_EQ(far.summary.n_drops, 2);
+  EXPECT_EQ(far.onsets.size(), 40U);
+}
+
 TEST(Detect, SaysThatSilenceIsSilent) {
   const std::vector<float> x(48000, 0.0F);
   const Detection d = detect(x, 48e3, "silence");

@@ -37,7 +37,7 @@ double largest_sigma_s(const std::vector<double>& modes_hz, double noise) {
   const audio::AudioSource whole = audio::source_in_memory(samples, kRate_hz);
   const audio::AudioSource band = decimate(whole, 11);
   const ArModel model = learn_ar_models(band, 48).noise;
-  const BandOfDrops drops{band, whole, model, candidates, {track}, {}};
+  const BandOfDrops drops{band, whole, model, candidates, {track}, {}, {}};
   const TimedRecording timed = time_recording(drops, {}, 9.81, 1, "ball");
   EXPECT_GE(timed.onsets.size(), kImpacts);
   EXPECT_TRUE(timed.is_full_band);

@@ -47,8 +47,9 @@ class DecodedSamples {
 SoundInfo decode_coded(const std::filesystem::path& path, const ReadableFile& file, int track, DecodedSamples& samples);
 
 /// Any recording that ffmpeg can decode, a track of sound of a video too: ffmpeg runs as a process of its own and
-/// writes float samples to a pipe, at the recording's rate and in its channels. It leaves out what the file's edit list
-/// or encoder delay does. Gaps between the time stamps of its packets become zeros (AudioFormat::silences).
+/// writes float samples and nothing else to a pipe, at the rate and in the channels that ffprobe states. It leaves out
+/// what the file's edit list or encoder delay does. Gaps between the time stamps of its packets become zeros
+/// (AudioFormat::silences).
 /// @param reason  why libsndfile does not read it, for messages
 /// @throws FileError: ffmpeg is not installed, or cannot read it; it holds no sound. Interrupted
 SoundInfo decode_by_ffmpeg(const std::filesystem::path& path, const ReadableFile& file, int track,

@@ -73,7 +73,8 @@ struct AudioFormat {
 ///   - the sound of any other file likewise by ffmpeg, where that is installed (m4a, mp4, mov, 3gp, webm, mkv, amr ...)
 ///   - numbers: .npy of samples (x channels), tables of text with or without a column of times
 /// Where the time stamps of a container (mp4, mkv, webm ...) leave a gap, zeros stand for what is missing, and where
-/// they overlap, what came first stays: the times of what follows are those of the container. Where the header gives
+/// they overlap, what came first stays: the times of what follows are those of the container. A jump of more than a
+/// minute, or back by more than a second, is a minute of zeros, and format().warning says so. Where the header gives
 /// another length than the file has, or none, what is there is read, and format().warning says so. May be read by
 /// several threads.
 class AudioReader {
