@@ -9,6 +9,7 @@ const shownName = path => namesDiffer ? fileName(path) : path;
 const withoutPaths = text => namesDiffer ? [...recordingPaths].sort((a, b) => b.length - a.length).reduce((t, path) => t.replaceAll(path, fileName(path)), text) : text;
 
 const lengthText = h => !known(h) ? '–' : h < 0.01 ? `${number(1e3 * h, 2)} mm` : h < 1 ? `${number(1e2 * h, 2)} cm` : `${number(h, 2)} m`;
+const heightText = seen => lengthText(seen.drop_height_m) + (seen.drop_height_ci95_m ? ` (${lengthText(seen.drop_height_ci95_m[0])} to ${lengthText(seen.drop_height_ci95_m[1])})` : '');
 const timeText = t => known(t) ? `${number(t, 2)} s` : '–';
 
 /// What the signs of the answer mean, each where it is used.
@@ -17,7 +18,7 @@ function explanations(answer) {
   if (at && known(at.eps)) parts.push('ε (epsilon), the coefficient of restitution: speed just after a bounce over speed just before it; 1 would be a ball that loses nothing.');
   if (at && known(at.se)) parts.push('± is the standard error: how far off the value typically is.');
   if (at && at.ci95) parts.push('95 %: of 20 such ranges 19 hold the true value.');
-  if (answer.seen && known(answer.seen.drop_height_m)) parts.push('The height follows from the first intervals, without air resistance.');
+  if (answer.seen && known(answer.seen.drop_height_m)) parts.push('The height follows from the flight after the first impact, ε there and the resistance of the air.');
   return parts.join(' ');
 }
 
@@ -29,8 +30,8 @@ function recordingRows(parent, answer) {
   const percent = x => known(x) ? `${(100 * x).toFixed(1)} %` : '–';
   table('Recording by recording', ['recording', 'ε', '95 %', 'speed', 'energy lost', 'impacts', 'height', 'bouncing', 'length'],
         rows.map(r => [shownName(r.recording) || '(no name)', r.at ? measured(r.at.eps, r.at.se) : r.missing || '–', interval(r.at && r.at.ci95), r.at ? speed(r.at.v_mps) : '–', percent(r.at && r.at.energy_lost),
-                       number(r.seen.n_impacts), lengthText(r.seen.drop_height_m), timeText(r.seen.duration_s), timeText(lengthOf(r.recording))]),
-        'Each recording alone: ε with its standard error and 95 % range at that speed, energy lost in a bounce, height of the drop, time from first to last impact, length of the recording. Heights only where the recording begins early enough for the first impact to be known as the first.' +
+                       number(r.seen.n_impacts), heightText(r.seen), timeText(r.seen.duration_s), timeText(lengthOf(r.recording))]),
+        'Each recording alone: ε with its standard error and 95 % range at that speed, energy lost in a bounce, height of the drop with its 95 % range, time from first to last impact, length of the recording. Heights only where the recording begins early enough for the first impact to be known as the first.' +
         (answer.recordings.length > rows.length ? ` The first ${rows.length} of ${answer.recordings.length}; all are in fit.json.` : ''), parent);
 }
 

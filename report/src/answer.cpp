@@ -56,8 +56,13 @@ const Description& members_of(const DropsSeen*) {
       result("n_impacts", &D::n_impacts, "Impacts; `null` where the samples' times are not known"),
       result("duration_s", &D::duration_s, "From first to last impact, of several drops the sum"),
       result("drop_height_m", &D::drop_height_m,
-             "h = v₀²/(2g) without drag, v₀ = v₁/ε, median of the `n_heights` drops whose first impact was seen, that "
-             "is, where one bounce before it would lie within the recording"),
+             "Height of the release, by the speed of the first impact and the drag of the ball; that speed is the one "
+             "at which the flight after it began, over ε. Median of the `n_heights` drops whose first impact was seen, "
+             "that is, where one bounce before it would lie within the recording and after any other drop, and no "
+             "later flight rose higher"),
+      result("drop_height_ci95_m", &D::drop_height_ci95_m,
+             "Its 95 % interval, of several drops that of one; not below the rise of any flight; `null` of a height "
+             "that was given"),
       result("n_heights", &D::n_heights, "Drops with a height")};
   return all;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <utility>
 
@@ -24,29 +25,45 @@ bool is_sound(const RestitutionSample& s) {
   return std::isfinite(s.v_mps) && std::isfinite(s.eps) && std::isfinite(s.t_s) && s.v_mps > 0.0;
 }
 
-/// @param drop  ordered by impact number, times increasing
-std::optional<double> height_of(const std::vector<const RestitutionSample*>& drop) {
-  constexpr std::size_t kFirstBounces = 5;  // their median: a single eps may be wrong
+using Drop = std::vector<const RestitutionSample*>;  ///< ordered by impact number, times increasing
+
+double begin_s(const Drop& drop) {
   const RestitutionSample& first = *drop.front();
-  if (!first.flags.empty() || first.impact > 1) return {};
-  double v0_mps = first.v_mps, t0_s = first.t_s;
-  if (first.impact == 1) {
-    std::vector<double> eps;
-    for (const RestitutionSample* s : drop)
-      if (s->flags.empty() && s->eps > 0.0 && s->eps < 1.0 && eps.size() < kFirstBounces) eps.push_back(s->eps);
-    if (eps.empty()) return {};
-    v0_mps = first.v_mps / median_of(eps);
-    t0_s = first.t_s - interval_before_s(first);
+  return first.impact > 0 ? first.t_s - interval_before_s(first) : first.t_s;
+}
+double end_s(const Drop& drop) {
+  const RestitutionSample& last = *drop.back();
+  return last.t_s + std::max(0.0, last.eps) * interval_before_s(last);
+}
+
+/// Height of the drop's release; absent where it is not known that the first impact seen was the first.
+/// @param height    by the fit, which has left out a first sample that is flagged or unlike the others
+/// @param silent_s  when the recording began, or another drop's last impact before this one
+std::optional<Estimate> height_of(const Drop& drop, const Estimate* height, double silent_s) {
+  const RestitutionSample& first = *drop.front();
+  if (first.impact == 0) {  // the height was given
+    Estimate given;
+    given.value = first.v_mps * first.v_mps / (2.0 * gravity_of(first));
+    return given;
   }
-  // a bounce before this one would have been at t0 - 2 v0/g: if that is before the recording began, or so near that eps
-  // and drag decide, nothing is known of it. A sample of impact 0 is there only where the height of release was given.
+  if (!height) return {};
+  // a flight of T rises g T^2/8, whether there is drag (to a thousandth) or not
+  double highest_m = 0.0;
+  for (const RestitutionSample* s : drop)
+    if (s->flags.empty())
+      highest_m = std::max(highest_m, square(s->v_mps * std::max(1.0, s->eps)) / (2.0 * gravity_of(*s)));
+  if (height->value < highest_m) return {};
+  // A bounce before this impact would have risen as high as the height of release, or higher, and would have been heard
+  // in the silence. The detector needs some more of it before an impact.
   constexpr double kClearly = 1.2;
-  if (first.impact == 1 && t0_s < kClearly * 2.0 * v0_mps / gravity_of(first)) return {};
-  return v0_mps * v0_mps / (2.0 * gravity_of(first));
+  if (begin_s(drop) - silent_s < kClearly * std::sqrt(8.0 * height->ci95->hi / gravity_of(first))) return {};
+  Estimate proved = *height;
+  proved.ci95->lo = std::max(proved.ci95->lo, highest_m);
+  return proved;
 }
 
 /// Those of the samples and on either side of each. @param drop  ordered by impact number
-std::size_t n_impacts_of(const std::vector<const RestitutionSample*>& drop) {
+std::size_t n_impacts_of(const Drop& drop) {
   std::size_t n = 0;
   std::int64_t next = 0;  // smallest number not counted yet
   for (const RestitutionSample* s : drop) {
@@ -57,10 +74,10 @@ std::size_t n_impacts_of(const std::vector<const RestitutionSample*>& drop) {
   return n;
 }
 
-}  // namespace
+using Name = std::pair<std::string, std::int64_t>;  ///< recording, number of the drop
 
-DropsSeen drops_seen(const RestitutionSamples& samples) {
-  std::map<std::pair<std::string, std::int64_t>, std::vector<const RestitutionSample*>> drops;
+std::map<Name, Drop> by_drop(const RestitutionSamples& samples) {
+  std::map<Name, Drop> drops;
   auto present = drops.end();  // successive samples are mostly of one drop
   for (const RestitutionSample& s : samples) {
     if (!is_sound(s)) continue;
@@ -68,29 +85,59 @@ DropsSeen drops_seen(const RestitutionSamples& samples) {
       present = drops.try_emplace({s.recording, s.drop}).first;
     present->second.push_back(&s);
   }
+  for (auto& [name, drop] : drops)
+    std::stable_sort(drop.begin(), drop.end(), [](const auto* a, const auto* b) { return a->impact < b->impact; });
+  return drops;
+}
+
+bool is_timed(const Drop& drop) {
+  return drop.front()->t_s > 0.0 && std::adjacent_find(drop.begin(), drop.end(), [](auto* a, auto* b) {
+                                      return a->impact == b->impact || a->t_s >= b->t_s;
+                                    }) == drop.end();
+}
+
+void add_heights(const std::map<Name, Drop>& drops, const std::vector<ReleaseHeight>& of_fit, DropsSeen& seen) {
+  std::map<Name, const Estimate*> by_fit;
+  for (const ReleaseHeight& h : of_fit) by_fit[{h.recording, h.drop}] = &h.height_m;
+  std::map<std::string, std::vector<double>> impacts_s;  // of a recording
+  for (const auto& [name, drop] : drops) {
+    std::vector<double>& times_s = impacts_s[name.first];
+    for (const RestitutionSample* s : drop) times_s.push_back(s->t_s);
+    times_s.insert(times_s.end(), {begin_s(drop), end_s(drop)});
+  }
+  for (auto& [recording, times_s] : impacts_s) std::sort(times_s.begin(), times_s.end());
+  std::vector<double> values_m, lo_m, hi_m;
+  for (const auto& [name, drop] : drops) {
+    const std::vector<double>& times_s = impacts_s[name.first];
+    const auto own = std::lower_bound(times_s.begin(), times_s.end(), begin_s(drop));
+    const auto found = by_fit.find(name);
+    const std::optional<Estimate> h = height_of(drop, found == by_fit.end() ? nullptr : found->second,
+                                                own == times_s.begin() ? 0.0 : *std::prev(own));
+    if (!h) continue;
+    values_m.push_back(h->value);
+    if (h->ci95) lo_m.push_back(h->ci95->lo), hi_m.push_back(h->ci95->hi);
+  }
+  seen.n_heights = values_m.size();
+  if (!values_m.empty()) seen.drop_height_m = median_of(std::move(values_m));
+  // what the drops have in common, drag and eps(v), does not average out: the median's interval is that of one drop
+  if (!lo_m.empty()) seen.drop_height_ci95_m = Interval{median_of(std::move(lo_m)), median_of(std::move(hi_m))};
+}
+
+}  // namespace
+
+DropsSeen drops_seen(const RestitutionSamples& samples, const std::vector<ReleaseHeight>& heights) {
+  const std::map<Name, Drop> drops = by_drop(samples);
   DropsSeen seen;
   seen.n_drops = drops.size();
-  const DropsSeen untimed = seen;
-  std::size_t n_impacts = 0;
-  double duration_s = 0.0;
-  std::vector<double> heights_m;
-  for (auto& [name, drop] : drops) {
-    std::stable_sort(drop.begin(), drop.end(), [](const auto* a, const auto* b) { return a->impact < b->impact; });
-    const bool timed = drop.front()->t_s > 0.0 && std::adjacent_find(drop.begin(), drop.end(), [](auto* a, auto* b) {
-                                                    return a->impact == b->impact || a->t_s >= b->t_s;
-                                                  }) == drop.end();
-    if (!timed) return untimed;  // a table of speeds and eps alone
-    n_impacts += n_impacts_of(drop);
-    const RestitutionSample &first = *drop.front(), &last = *drop.back();
-    duration_s += last.t_s + std::max(0.0, last.eps) * interval_before_s(last) - first.t_s;
-    if (first.impact > 0) duration_s += interval_before_s(first);
-    if (const std::optional<double> h = height_of(drop)) heights_m.push_back(*h);
+  const bool all_timed = std::all_of(drops.begin(), drops.end(), [](const auto& d) { return is_timed(d.second); });
+  if (drops.empty() || !all_timed) return seen;  // a table of speeds and eps alone
+  seen.n_impacts = 0;
+  seen.duration_s = 0.0;
+  for (const auto& [name, drop] : drops) {
+    *seen.n_impacts += n_impacts_of(drop);
+    *seen.duration_s += end_s(drop) - begin_s(drop);
   }
-  if (drops.empty()) return seen;
-  seen.n_impacts = n_impacts;
-  seen.duration_s = duration_s;
-  seen.n_heights = heights_m.size();
-  if (!heights_m.empty()) seen.drop_height_m = median_of(std::move(heights_m));
+  add_heights(drops, heights, seen);
   return seen;
 }
 

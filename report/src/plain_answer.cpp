@@ -44,16 +44,37 @@ std::string with_interval(const Estimate& e) {
 
 std::string speed(double v_mps) { return formatted("%.3g m/s", v_mps); }
 
+int decimals_of_two_digits(double x) { return x > 0.0 ? std::max(0, 1 - static_cast<int>(std::floor(log10(x)))) : 0; }
+
 /// Two digits, without a power of ten.
-std::string two_digits(double x) {
-  const int decimals = x > 0.0 ? std::max(0, 1 - static_cast<int>(std::floor(log10(x)))) : 0;
-  return rounded(x, decimals);
+std::string two_digits(double x) { return rounded(x, decimals_of_two_digits(x)); }
+
+/// A unit that suits a length, and how many of it make a metre.
+std::pair<const char*, double> unit_of(double length_m) {
+  if (length_m < 0.01) return {" mm", 1e3};
+  if (length_m < 1.0) return {" cm", 1e2};
+  return {" m", 1.0};
 }
 
-std::string height(double h_m) {
-  return h_m < 0.01  ? two_digits(1e3 * h_m) + " mm"
-         : h_m < 1.0 ? two_digits(1e2 * h_m) + " cm"
-                     : two_digits(h_m) + " m";
+/// "about 1.02 m (0.96 to 1.07 m)". An interval of more than a factor of two says too little of a height to name one:
+/// its lower end alone is said, rounded down, since the next flight proves most of that.
+std::string height(double h_m, const std::optional<Interval>& ci95_m, const std::string& remark) {
+  const bool is_known = !ci95_m || ci95_m->hi <= 2.0 * ci95_m->lo;
+  const auto [unit, per_m] = unit_of(is_known ? h_m : ci95_m->lo);
+  std::string brackets = remark, text;
+  if (!ci95_m) {
+    text = "about " + two_digits(per_m * h_m) + unit;
+  } else if (is_known) {
+    const int of_width = decimals_of_two_digits(0.5 * per_m * (ci95_m->hi - ci95_m->lo)) - 1;
+    const int decimals = std::max(decimals_of_two_digits(per_m * h_m), std::min(of_width, 4));
+    const auto length = [decimals, scale = per_m](double x_m) { return rounded(scale * x_m, decimals); };
+    text = "about " + length(h_m) + unit;
+    brackets = length(ci95_m->lo) + " to " + length(ci95_m->hi) + unit + (remark.empty() ? "" : "; " + remark);
+  } else {
+    const double scale = pow(10.0, decimals_of_two_digits(per_m * ci95_m->lo));
+    text = "at least " + two_digits(std::floor(per_m * ci95_m->lo * scale) / scale) + unit;
+  }
+  return brackets.empty() ? text : text + " (" + brackets + ")";
 }
 
 std::string duration(double t_s) {
@@ -105,6 +126,10 @@ std::optional<double> common_speed(const std::vector<RecordingFit>& rows) {
   return best[best.size() / 2];
 }
 
+std::vector<ReleaseHeight> heights_of(const FitResult& result) {
+  return result.averaged ? result.averaged->heights : std::vector<ReleaseHeight>{};
+}
+
 std::vector<RecordingAnswer> answers_by_recording(const FitResult& result, const RestitutionSamples& samples) {
   if (result.recordings.rows.empty()) return {};
   std::map<std::string, RestitutionSamples> of;
@@ -112,7 +137,8 @@ std::vector<RecordingAnswer> answers_by_recording(const FitResult& result, const
   const std::optional<double> v_mps = common_speed(result.recordings.rows);
   std::vector<RecordingAnswer> answers;
   for (const RecordingFit& row : result.recordings.rows) {
-    RecordingAnswer answer{row.recording, {}, row.nodes.empty() ? row.message : "", drops_seen(of[row.recording])};
+    RecordingAnswer answer{
+        row.recording, {}, row.nodes.empty() ? row.message : "", drops_seen(of[row.recording], heights_of(result))};
     const NodeEstimate* nearest = nullptr;
     for (const NodeEstimate& node : row.nodes)
       if (!nearest || std::abs(node.v_mps - *v_mps) < std::abs(nearest->v_mps - *v_mps)) nearest = &node;
@@ -188,15 +214,15 @@ std::string of_range(const PlainAnswer& answer, bool differ) {
                         : "each has a value of its own (--pool makes one of all).");
 }
 
-/// "dropped from about 5 cm; 52 impacts in 8.2 s"
+/// "Dropped from about 5.2 cm (4.9 to 5.5 cm); from 52 impacts in 8.2 s."
 std::string of_drops(const DropsSeen& seen, bool one_ball) {
   std::string text;
   if (seen.drop_height_m && one_ball) {
-    text = "Dropped from about " + height(*seen.drop_height_m);
-    if (seen.n_drops > 1)
-      text += seen.n_heights > 1 ? formatted(" (median of the %zu drops whose first impact was heard)", seen.n_heights)
-                                 : std::string(" (of the one drop whose first impact was heard)");
-    text += "; ";
+    const std::string remark = seen.n_drops == 1 ? ""
+                               : seen.n_heights > 1
+                                   ? formatted("median of the %zu drops whose first impact was heard", seen.n_heights)
+                                   : "of the one drop whose first impact was heard";
+    text = "Dropped from " + height(*seen.drop_height_m, seen.drop_height_ci95_m, remark) + "; ";
   }
   if (!seen.n_impacts) return text.empty() ? "" : text.substr(0, text.size() - 2) + ".";
   text += formatted("%s %zu impacts", text.empty() ? "From" : "from", *seen.n_impacts);
@@ -242,7 +268,7 @@ std::string in_words(const RecordingAnswer& recording) {
 
 PlainAnswer plain_answer(const FitResult& result, const RestitutionSamples& samples) {
   PlainAnswer answer;
-  answer.seen = drops_seen(samples);
+  answer.seen = drops_seen(samples, heights_of(result));
   answer.recordings = answers_by_recording(result, samples);
   const bool is_fitted = usable(result) || result.averaged;
   const bool pooled = is_fitted && result.is_one_ball;

@@ -64,10 +64,19 @@ TEST(Flight, WithLittleDragIsThatOfTheFirstOrder) {
   EXPECT_NEAR(flight.landing_mps, 0.6 * (1.0 - shift), 2e-6);
 }
 
+TEST(Flight, FromAHeightHasASpeedThatGivesTheHeightBack) {
+  for (const double kappa_per_m : {0.009, 0.13, 1.0})
+    for (const double height_m : {0.05, 2.0})
+      EXPECT_NEAR(fall_height_m(fall_with_drag_mps(height_m, kG, kappa_per_m), kG, kappa_per_m) / height_m, 1.0,
+                  1e-13);  // rounding, of 1 - (v/v_t)^2 = .02 at least
+  EXPECT_EQ(fall_height_m(1.01 * std::sqrt(kG / 0.13), kG, 0.13), HUGE_VAL);  // beyond the limit speed
+}
+
 TEST(Flight, WithoutAirIsTheParabola) {
   EXPECT_EQ(flight_with_drag(0.2, kG, 0.0).launch_mps, 0.1 * kG);
   EXPECT_NEAR(flight_with_drag(0.2, kG, 1e-9).landing_mps, 0.1 * kG, 1e-9);
   EXPECT_EQ(fall_with_drag_mps(0.1, kG, 0.0), std::sqrt(0.2 * kG));
+  EXPECT_EQ(fall_height_m(2.0, kG, 0.0), 4.0 / (2.0 * kG));
 }
 
 TEST(Drag, IsThatOfTheStandardCurve) {

@@ -43,50 +43,6 @@ Onsets dropped(double height_m, double eps, std::size_t n_impacts, double begin_
   return onsets;
 }
 
-TEST(DropsSeen, TellTheHeightOfTheReleaseTheImpactsAndHowLongTheyLast) {
-  const Onsets onsets = dropped(0.12, 0.9, 20, 2.0);
-  const DropsSeen seen = drops_seen(restitution_samples(onsets, {}).samples);
-  EXPECT_EQ(seen.n_drops, 1u);
-  EXPECT_EQ(seen.n_impacts, 20u);
-  ASSERT_TRUE(seen.drop_height_m && seen.duration_s);
-  EXPECT_NEAR(*seen.drop_height_m, 0.12, 1e-9);  // exact but for rounding: eps is the same at every impact
-  EXPECT_NEAR(*seen.duration_s, onsets.back().t_s - onsets.front().t_s, 1e-9);
-}
-
-TEST(DropsSeen, KnowNoHeightWhereTheRecordingBeginsTooLateToTellWhichImpactIsTheFirst) {
-  // released at the first sample: a bounce before the first impact seen would lie before the recording
-  EXPECT_FALSE(drops_seen(restitution_samples(dropped(0.12, 0.9, 20, 0.0), {}).samples).drop_height_m);
-  // the first impact was not detected
-  RestitutionSamples late = restitution_samples(dropped(0.12, 0.9, 20, 2.0), {}).samples;
-  late.erase(late.begin());
-  EXPECT_FALSE(drops_seen(late).drop_height_m);
-  EXPECT_EQ(drops_seen(late).n_impacts, 19u);
-}
-
-TEST(DropsSeen, OfSeveralDropsTakeTheMedianHeightInAnyOrderOfTheSamples) {
-  RestitutionSamples samples;
-  for (const double height_m : {0.3, 0.1, 0.2}) {
-    const auto drop = static_cast<std::int64_t>(std::lround(10 * height_m));
-    const auto of_one = restitution_samples(dropped(height_m, 0.8, 9, 2.0 + 10.0 * height_m, drop), {}).samples;
-    samples.insert(samples.begin(), of_one.rbegin(), of_one.rend());
-  }
-  const DropsSeen seen = drops_seen(samples);
-  EXPECT_EQ(seen.n_heights, 3u);
-  EXPECT_NEAR(seen.drop_height_m.value_or(0.0), 0.2, 1e-9);
-  EXPECT_EQ(seen.n_impacts, 27u);
-}
-
-TEST(DropsSeen, OfATableOfSpeedsAndEpsAloneKnowNeitherImpactsNorTimes) {
-  RestitutionSamples samples(10);
-  for (std::size_t k = 0; k < samples.size(); ++k) {
-    samples[k].impact = static_cast<std::int64_t>(k);  // as such a table is read
-    samples[k].v_mps = 1.0 - 0.01 * static_cast<double>(k);
-    samples[k].eps = 0.9;
-  }
-  const DropsSeen seen = drops_seen(samples);
-  EXPECT_FALSE(seen.n_impacts || seen.duration_s || seen.drop_height_m);
-}
-
 /// Of a ball in no air, whose contacts take no time.
 RestitutionSamples samples_of(const Onsets& onsets) {
   RestitutionConfig no_air;

@@ -56,6 +56,13 @@ double fall_with_drag_mps(double height_m, double gravity_mps2, double kappa_per
   return std::sqrt(-gravity_mps2 / kappa_per_m * std::expm1(-2.0 * kappa_per_m * height_m));
 }
 
+double fall_height_m(double landing_mps, double gravity_mps2, double kappa_per_m) {
+  const double height_m = landing_mps * landing_mps / (2.0 * gravity_mps2);
+  if (!(kappa_per_m > 0.0)) return height_m;
+  const double of_limit = 2.0 * kappa_per_m * height_m;  // the square of the speed over its limit
+  return of_limit < 1.0 ? -std::log1p(-of_limit) / (2.0 * kappa_per_m) : HUGE_VAL;
+}
+
 std::optional<ContactDuration> contact_duration(const Ball& ball, const std::optional<Material>& plate) {
   if (ball.contact_time_s) return ContactDuration{*ball.contact_time_s, 0.0, 0.1};
   if (ball.material.hertzian) {

@@ -11,6 +11,7 @@
 
 #include "averaged/axis.hpp"
 #include "averaged/fit_of_law.hpp"
+#include "averaged/release.hpp"
 #include "averaged/student_sum.hpp"
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/numerics.hpp"
@@ -160,17 +161,27 @@ DeviationEstimate deviation_of(const std::vector<Term>& all) {
   return e;
 }
 
-template <class Value, class Error>
-Estimate estimate_of(const std::vector<Term>& terms, Value value, Error error) {
+/// @param of  value and standard error of a term
+template <class Of>
+Estimate estimate_of(const std::vector<Term>& terms, Of of, double outside = 0.05) {
   std::map<double, Student> students;  // few: the degrees of freedom are those of a law
   std::vector<Part> parts;
   for (const Term& t : terms) {
     const double nu = t.grid->fits.front().nu;
-    parts.push_back({t.weight, t.between(value),
-                     std::max(0.0, t.between(error)) * t.between([](const Fitted& f) { return f.stretch; }),
-                     &students.try_emplace(nu, nu).first->second});
+    const auto [value, se] = of(t);
+    parts.push_back({t.weight, value, se, &students.try_emplace(nu, nu).first->second});
   }
-  return estimate_of(parts);
+  return estimate_of(parts, outside);
+}
+
+template <class Error>
+double error_of(const Term& t, Error error) {
+  return std::max(0.0, t.between(error)) * t.between([](const Fitted& f) { return f.stretch; });
+}
+
+template <class Value, class Error>
+Estimate estimate_of(const std::vector<Term>& terms, Value value, Error error) {
+  return estimate_of(terms, [&](const Term& t) { return std::pair{t.between(value), error_of(t, error)}; });
 }
 
 /// Variance of the mean of `value` over the places of one axis.
@@ -192,7 +203,11 @@ class Averaging {
  public:
   Averaging(const RestitutionSamples& samples, const AirAndContact& known, const LawFitConfig& config,
             std::vector<double> nodes_mps)
-      : raw_(raw_of(samples)), known_(known), config_(config), nodes_mps_(std::move(nodes_mps)) {
+      : raw_(raw_of(samples)),
+        first_(first_flights(samples)),
+        known_(known),
+        config_(config),
+        nodes_mps_(std::move(nodes_mps)) {
     worlds_ = worlds_of(known_);
     config_.n_goodness = config_.n_bootstrap = 0;
     const Moved middle = moved(raw_, known_, {});
@@ -203,6 +218,9 @@ class Averaging {
     const double lo = middle.data.v_mps.front(), hi = middle.data.v_mps.back();
     for (std::size_t k = 0; k < kPlaces && hi > kOneSpeed * lo; ++k)
       speeds_mps_.push_back(lo * pow(hi / lo, static_cast<double>(k) / (kPlaces - 1)));
+    n_shown_ = speeds_mps_.size();
+    // of impact 0, by the eps of impact 1: eps changes little with what that is off by
+    for (const FirstFlights& flights : first_) speeds_mps_.push_back(flights.v_mps / std::clamp(flights.eps, 0.1, 1.0));
     models_ = models_of(middle.data, config_);
   }
 
@@ -296,7 +314,7 @@ class Averaging {
           terms, [j, middle](const Fitted& f) { return f.eps[j] - f.eps[middle]; },
           [j](const Fitted& f) { return f.change_se[j]; }));
     }
-    for (std::size_t j = nodes_mps_.size(); j < speeds_mps_.size(); ++j) {
+    for (std::size_t j = nodes_mps_.size(); j < n_shown_; ++j) {
       const Estimate e = estimate_of(
           terms, [j](const Fitted& f) { return f.eps[j]; }, [j](const Fitted& f) { return f.se[j]; });
       curve.curve.push_back({speeds_mps_[j], e.value, e.ci95, e.se});
@@ -327,7 +345,23 @@ class Averaging {
       curve.kappa_per_m = log_normal(kappa_at_1_mps(known_), estimate.mean.ln_kappa, estimate.sd.ln_kappa);
     if (known_.has_contact && !estimate.is_ideal)
       curve.contact_s = log_normal(known_.contact.at_1_mps_s, estimate.mean.ln_tau, estimate.sd.ln_tau);
+    for (std::size_t k = 0; k < first_.size(); ++k)
+      add_heights(first_[k], ln_height_of(terms, first_[k], n_shown_ + k), curve.heights);
     return curve;
+  }
+
+  /// @param j  the speed of the impact that the flights began with
+  Estimate ln_height_of(const std::vector<Term>& terms, const FirstFlights& flights, std::size_t j) const {
+    const auto of_term = [&, j](const Term& t) {
+      const double of_curve = error_of(t, [j](const Fitted& f) { return f.se[j]; });
+      const double of_bounce = t.between([](const Fitted& f) { return f.scatter; });
+      return ln_release_height(flights, OneAirAndContact(*t.grid->known, {t.kappa->at, t.tau->at}),
+                               t.between([j](const Fitted& f) { return f.eps[j]; }), hypot(of_curve, of_bounce));
+    };
+    // A ball that is not named is one of a dozen kinds, and the interval has to hold for each of them: beyond one end
+    // of 95 % of their sum there may be a third of a kind whose share is 7 %.
+    constexpr double kOutside = 0.05, kOutsideOfAny = 0.01;
+    return estimate_of(terms, of_term, worlds_.size() > 1 ? kOutsideOfAny : kOutside);
   }
 
   std::optional<RestitutionStep> step_at(const DeviationEstimate& estimate) const {
@@ -347,10 +381,12 @@ class Averaging {
   }
 
   Raw raw_;
+  std::vector<FirstFlights> first_;
   AirAndContact known_;
   std::vector<AirAndContact> worlds_;
   LawFitConfig config_;
   std::vector<double> nodes_mps_, speeds_mps_;
+  std::size_t n_shown_ = 0;  ///< of the speeds, nodes and picture; the others are those of first impacts
   std::vector<LawModel> models_;
   double best_ = -HUGE_VAL;  ///< logarithm of the largest weight so far
 };

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <array>
 #include <numeric>
 #include <optional>
 #include <utility>
@@ -106,6 +107,31 @@ std::optional<LawModel> step_of(const LawData& data) {
   return least < enough ? best : std::nullopt;
 }
 
+/// Of a single eps about the law, root mean square. Scatter goes as v^-p, p from 0 to 1 (docs/physics.md: asperities
+/// make 1): the mean over p = 0, 1/2, 1, by how likely each makes the residuals.
+double scatter_at_greatest_speed(const LawLikelihood& likelihood, const Eigen::VectorXd& theta) {
+  const LawData& data = likelihood.data();
+  std::array<double, 3> squares{};  // of the residuals, each times (v/v_greatest)^(2 p)
+  double ln_ratios = 0.0;
+  for (std::size_t k = 0; k < data.size(); ++k) {
+    const double ratio = data.v_mps[k] / data.v_mps.back();
+    double part = square(data.eps[k] - likelihood.eps_of(theta, k));
+    for (double& sum : squares) sum += part, part *= ratio;
+    ln_ratios += log(ratio);
+  }
+  const auto n = static_cast<double>(data.size());
+  std::array<double, 3> ln_likelihood{};
+  for (std::size_t i = 0; i < squares.size(); ++i)
+    ln_likelihood[i] = 0.5 * static_cast<double>(i) * ln_ratios - 0.5 * n * log(std::max(1e-300, squares[i]));
+  const double most = *std::max_element(ln_likelihood.begin(), ln_likelihood.end());
+  double weights = 0.0, sum = 0.0;
+  for (std::size_t i = 0; i < squares.size(); ++i) {
+    const double weight = exp(ln_likelihood[i] - most);
+    weights += weight, sum += weight * squares[i];
+  }
+  return std::sqrt(sum / weights / std::max(1.0, n - static_cast<double>(likelihood.model().n_parameters())));
+}
+
 }  // namespace
 
 Fitted fit_of(const LawData& data, const LawModel& model, const LawFitConfig& config,
@@ -147,6 +173,7 @@ Fitted fit_of(const LawData& data, const LawModel& model, const LawFitConfig& co
             ? 0.0
             : std::sqrt(std::max(0.0, covariance(j, j) + covariance(m, m) - 2.0 * covariance(j, m))));
   }
+  fitted.scatter = scatter_at_greatest_speed(likelihood, candidate->maximum.x);
   if (fit.drops.errors == ErrorBasis::independent_samples) {
     fitted.nu = std::max(1.0, n - static_cast<double>(model.n_parameters()) - 1.0);
   } else if (const Estimate& e = fit.nodes[middle].eps; e.se && *e.se > 0.0 && e.ci95) {
@@ -174,6 +201,7 @@ Fitted fit_of_few(const LawData& data, std::size_t n_speeds) {
   fitted.eps.assign(n_speeds, mean);
   fitted.se.assign(n_speeds, std::sqrt((scatter2 + timing) / n));
   fitted.change_se.assign(n_speeds, 0.0);
+  fitted.scatter = std::sqrt(scatter2);
   fitted.nu = nu;
   return fitted;
 }

@@ -16,6 +16,7 @@ struct Fitted {
   double surprise = HUGE_VAL;     ///< minus the logarithm of the law's evidence
   std::vector<double> eps, se;    ///< at the speeds
   std::vector<double> change_se;  ///< of the difference from that at the middle one
+  double scatter = 0.0;           ///< of a single eps about the law, root mean square, at the greatest speed
   double nu = 1e9;                ///< degrees of freedom of the standard errors
   double stretch = 1.0;           ///< of the standard errors, where they are by drop
 };

@@ -20,7 +20,7 @@ double Student::below(double t) const {
   return below_[i] + (at - k) * (below_[i + 1] - below_[i]);
 }
 
-Estimate estimate_of(const std::vector<Part>& parts) {
+Estimate estimate_of(const std::vector<Part>& parts, double outside) {
   double lo = HUGE_VAL, hi = -HUGE_VAL;
   for (const Part& p : parts) {
     const double reach = p.student->reach() * p.se;
@@ -43,7 +43,7 @@ Estimate estimate_of(const std::vector<Part>& parts) {
   Estimate e;
   e.value = quantile(0.5);
   e.ci68 = Interval{quantile(0.158655253931457), quantile(0.841344746068543)};
-  e.ci95 = Interval{quantile(0.025), quantile(0.975)};
+  e.ci95 = Interval{quantile(0.5 * outside), quantile(1.0 - 0.5 * outside)};
   e.se = 0.5 * (e.ci68->hi - e.ci68->lo);
   return e;
 }

@@ -31,6 +31,7 @@ struct Part {
 };
 
 /// Quantiles of a sum of distributions, and value with errors by them.
-Estimate estimate_of(const std::vector<Part>& parts);
+/// @param outside  share of the sum that ci95 leaves out
+Estimate estimate_of(const std::vector<Part>& parts, double outside = 0.05);
 
 }  // namespace bouncelab::fit

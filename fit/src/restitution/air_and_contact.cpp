@@ -157,18 +157,24 @@ double OneAirAndContact::contact_s(double v_mps) const {
   return known_.has_contact ? tau_factor_ * known_.contact.at(v_mps) : 0.0;
 }
 
+Flight OneAirAndContact::flight_before(double v_mps, double eps) const {
+  const double g = known_.gravity_mps2;
+  const double before_s = 2.0 * v_mps / g;
+  // the contact with which the interval begins: the ball came down there by 1/eps faster than it went up
+  const double flight_s = std::max(kLeastFlight * before_s, before_s - contact_s(v_mps / std::clamp(eps, 0.2, 1.0)));
+  return flight_with_drag(flight_s, g, kappa_per_m(0.5 * g * flight_s));
+}
+
+double OneAirAndContact::fall_height_m(double speed_mps) const {
+  return bouncelab::fall_height_m(speed_mps, known_.gravity_mps2, kappa_per_m(speed_mps));
+}
+
 AtThePlate OneAirAndContact::at_the_plate(double v_mps, double eps, bool from_height) const {
   const double g = known_.gravity_mps2;
   const double before_s = 2.0 * v_mps / g;
   AtThePlate at;
-  if (from_height) {
-    at.v_mps = fall_with_drag_mps(v_mps * v_mps / (2.0 * g), g, kappa_per_m(v_mps));
-  } else {
-    // the contact with which the interval begins: the ball came down there by 1/eps faster than it went up
-    const double flight_s = std::max(kLeastFlight * before_s, before_s - contact_s(v_mps / std::clamp(eps, 0.2, 1.0)));
-    const double kappa = kappa_per_m(0.5 * g * flight_s);
-    at.v_mps = flight_with_drag(flight_s, g, kappa).landing_mps;
-  }
+  at.v_mps = from_height ? fall_with_drag_mps(v_mps * v_mps / (2.0 * g), g, kappa_per_m(v_mps))
+                         : flight_before(v_mps, eps).landing_mps;
   const double after_s = eps * before_s, rest_s = after_s - contact_s(at.v_mps);
   if (rest_s > kLeastFlight * std::abs(after_s)) {
     const double kappa = kappa_per_m(0.5 * g * rest_s);

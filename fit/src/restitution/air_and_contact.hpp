@@ -55,6 +55,10 @@ class OneAirAndContact {
   OneAirAndContact(const AirAndContact& known, Deviation deviation);
   /// @param from_height  the speed is that of a fall without drag, not of an interval
   AtThePlate at_the_plate(double v_mps, double eps, bool from_height) const;
+  /// The flight before an impact. @param v_mps  g T/2. @param eps  of the impact that the flight began with
+  Flight flight_before(double v_mps, double eps) const;
+  /// The height of a release at rest, from the speed at the plate.
+  double fall_height_m(double speed_mps) const;
 
  private:
   double kappa_per_m(double v_mps) const;

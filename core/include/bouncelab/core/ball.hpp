@@ -203,6 +203,8 @@ Flight flight_with_drag(double duration_s, double gravity_mps2, double kappa_per
 
 /// Landing speed after release at rest from a height [m/s]: sqrt(g/kappa (1 - exp(-2 kappa h))).
 double fall_with_drag_mps(double height_m, double gravity_mps2, double kappa_per_m);
+/// The height of that release [m]: -ln(1 - kappa v^2/g) / (2 kappa); infinite from the limit speed sqrt(g/kappa) on.
+double fall_height_m(double landing_mps, double gravity_mps2, double kappa_per_m);
 
 /// Gravity used throughout unless stated otherwise [m/s^2].
 inline constexpr double kDefaultGravity_mps2 = 9.81;

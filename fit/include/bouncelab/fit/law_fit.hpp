@@ -139,6 +139,13 @@ struct RestitutionStep {
 };
 const Description& members_of(const RestitutionStep*);
 
+/// The height of a drop's release at rest [m], if the first impact heard was its first.
+struct ReleaseHeight {
+  std::string recording;
+  std::int64_t drop = 0;
+  Estimate height_m;
+};
+
 /// eps(v) averaged over laws that may hold, and over drag and contact time as far as they are not known.
 struct AveragedCurve {
   std::vector<NodeEstimate> nodes;
@@ -152,6 +159,9 @@ struct AveragedCurve {
   /// Parts of the variance of eps at the middle node that drag and contact time leave.
   double share_of_drag = 0.0, share_of_contact = 0.0;
   std::optional<RestitutionStep> step;  ///< where a law with a step is nearly certain
+  /// Of each drop whose sample of impact 1 was fitted. The launch u of the flight before it is exact; the speed of
+  /// impact 0 is w = u/eps, eps that of the curve at w with the scatter of one bounce; h is fall_height_m(w).
+  std::vector<ReleaseHeight> heights;
 };
 const Description& members_of(const AveragedCurve*);
 

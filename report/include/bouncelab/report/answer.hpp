@@ -19,11 +19,12 @@ struct DropsSeen {
   std::size_t n_drops = 0;
   std::optional<std::size_t> n_impacts;  ///< that the samples were made from
   std::optional<double> duration_s;      ///< from first to last impact; of several drops the sum
-  /// Height of the release [m], h = v_0^2 / (2 g), without drag; v_0 = v_1 / eps is the speed of impact 0. Of several
-  /// drops the median. Only of drops whose first impact was seen: the recording began early enough to have heard one
-  /// bounce before it, 2 v_0 / g.
+  /// Height of the release [m], through the air (fit::ReleaseHeight). Of several drops the median. Only of drops whose
+  /// first impact was seen: the recording began early enough to have heard one bounce before it, and no other drop
+  /// ended so shortly before. None where a later flight rose higher.
   std::optional<double> drop_height_m;
-  std::size_t n_heights = 0;  ///< drops with a height
+  std::optional<fit::Interval> drop_height_ci95_m;  ///< not below the highest flight; absent of a height that was given
+  std::size_t n_heights = 0;                        ///< drops with a height
 };
 const Description& members_of(const DropsSeen*);
 
@@ -111,7 +112,8 @@ std::vector<std::string> warnings_of(const fit::RoughnessResult& result, const R
 
 /// What samples say of their drops.
 /// @param samples  in any order
-DropsSeen drops_seen(const RestitutionSamples& samples);
+/// @param heights  of the fit to them, if the first impact heard was the first
+DropsSeen drops_seen(const RestitutionSamples& samples, const std::vector<fit::ReleaseHeight>& heights);
 
 /// Do the recordings agree: with p, and where they do not with the least and the greatest eps. Empty where there is one
 /// recording.

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+#include "bouncelab/core/samples.hpp"
+#include "bouncelab/fit/law_fit.hpp"
+#include "restitution/air_and_contact.hpp"
+
+namespace bouncelab::fit {
+
+/// Samples of impact 1 of nearly one speed. The flight before them was launched by impact 0, the first of the drop.
+struct FirstFlights {
+  double v_mps = 0.0, eps = 0.0;  ///< of one of them, g T/2 and T'/T
+  RestitutionSamples samples;
+};
+
+/// Of all samples of impact 1, those within a hundredth together: the height over v^2 is one for them.
+std::vector<FirstFlights> first_flights(const RestitutionSamples& samples);
+
+/// Logarithm of the height of release, and its standard error. The launch u follows from the flight, the speed of
+/// impact 0 is w = u/eps, and a fall through the air from the height lands with it.
+/// @param eps, se  of impact 0
+std::pair<double, double> ln_release_height(const FirstFlights& flights, const OneAirAndContact& one, double eps,
+                                            double se);
+
+/// Heights of the drops of one speed. @param ln_height  that of `flights.v_mps`
+void add_heights(const FirstFlights& flights, const Estimate& ln_height, std::vector<ReleaseHeight>& heights);
+
+}  // namespace bouncelab::fit

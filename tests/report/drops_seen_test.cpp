@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What samples say of their drops: above all the height of the release, against drops from known heights.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <random>
+
+#include "bouncelab/core/ball.hpp"
+#include "bouncelab/fit/fit.hpp"
+#include "bouncelab/fit/restitution.hpp"
+#include "bouncelab/report/answer.hpp"
+
+namespace bouncelab::report {
+namespace {
+
+using namespace fit;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+constexpr double kG = kDefaultGravity_mps2;
+
+/// A ball dropped from a height, by exact flights under drag kappa v^2; contacts take no time.
+struct Drop {
+  double height_m = 0.0;
+  std::function<double(int)> eps = [](int) { return 0.9; };  ///< of each impact
+  std::size_t n_impacts = 20;
+  double begin_s = 2.0;  ///< of the fall
+  double kappa_per_m = 0.0;
+  std::int64_t number = 0;
+};
+
+/// The inverse of flight_with_drag, and the fall: time down from a height is (v_t/g) atanh(w/v_t).
+Onsets onsets_of(const Drop& drop) {
+  const double kappa = std::max(1e-9, drop.kappa_per_m), limit_mps = std::sqrt(kG / kappa);
+  double v_mps = fall_with_drag_mps(drop.height_m, kG, kappa);
+  double t_s = drop.begin_s + limit_mps / kG * std::atanh(v_mps / limit_mps);
+  Onsets onsets;
+  for (std::size_t k = 0; k < drop.n_impacts; ++k) {
+    Onset onset;
+    onset.recording = "ball.wav";
+    onset.drop = drop.number;
+    onset.impact = static_cast<std::int64_t>(k);
+    onset.t_s = t_s;
+    onset.sigma_t_s = 1e-6;
+    onsets.push_back(onset);
+    const double x = drop.eps(static_cast<int>(k)) * v_mps / limit_mps;
+    t_s += limit_mps / kG * (std::atan(x) + std::asinh(x));
+    v_mps = limit_mps * x / std::sqrt(1.0 + x * x);
+  }
+  return onsets;
+}
+
+RestitutionConfig no_air() {
+  RestitutionConfig config;
+  config.air_kgpm3 = 0.0;
+  config.instant_contacts = true;
+  return config;
+}
+
+/// Of a ball in no air, whose contacts take no time.
+RestitutionSamples samples_of(const Drop& drop) { return restitution_samples(onsets_of(drop), no_air()).samples; }
+
+PlainAnswer answer_of(const RestitutionSamples& samples) { return in_words(fit_all(samples, {}), samples).answer; }
+DropsSeen seen_of(const RestitutionSamples& samples) { return answer_of(samples).seen; }
+
+std::string sentence_of_drops(const RestitutionSamples& samples) { return answer_of(samples).sentences.back(); }
+
+TEST(DropsSeen, TellTheHeightOfTheReleaseTheImpactsAndHowLongTheyLast) {
+  const Drop drop{.height_m = 0.12};
+  const DropsSeen seen = seen_of(samples_of(drop));
+  EXPECT_EQ(seen.n_drops, 1u);
+  EXPECT_EQ(seen.n_impacts, 20u);
+  ASSERT_TRUE(seen.drop_height_m && seen.duration_s && seen.drop_height_ci95_m);
+  EXPECT_NEAR(*seen.drop_height_m, 0.12, 1e-6);  // v^2/(2 g); eps is known to 1e-6 by times that are good to 1 us
+  EXPECT_LT(seen.drop_height_ci95_m->hi - seen.drop_height_ci95_m->lo, 0.12e-3);
+  const Onsets onsets = onsets_of(drop);
+  EXPECT_NEAR(*seen.duration_s, onsets.back().t_s - onsets.front().t_s, 1e-9);
+}
+
+TEST(DropsSeen, TakeTheDragOfANamedBallIntoAccount) {
+  RestitutionConfig config;
+  config.ball = ball_from_text("table-tennis");
+  config.instant_contacts = true;
+  const double kappa_per_m = drag_per_m(*config.ball, {}, 2.5);
+  const RestitutionSamples samples =
+      restitution_samples(onsets_of({.height_m = 1.0, .kappa_per_m = kappa_per_m}), config).samples;
+  const DropsSeen seen = seen_of(samples);
+  ASSERT_TRUE(seen.drop_height_m && seen.drop_height_ci95_m);
+  // by v^2/(2 g) and the median eps' of the intervals .87: the drag takes a tenth
+  EXPECT_NEAR(*seen.drop_height_m, 1.0, 0.02);  // kappa goes with the speed, in the fit and not in these flights: 4 %
+  EXPECT_LT(seen.drop_height_ci95_m->lo, 1.0);
+  EXPECT_GT(seen.drop_height_ci95_m->hi, 1.0);
+  EXPECT_LT(seen.drop_height_ci95_m->hi / seen.drop_height_ci95_m->lo, 1.1);  // kappa is known to 10 %
+  EXPECT_THAT(sentence_of_drops(samples), HasSubstr("Dropped from about "));
+  EXPECT_THAT(sentence_of_drops(samples), HasSubstr(" m); from 20 impacts"));
+}
+
+TEST(DropsSeen, KnowNoHeightWhereTheRecordingBeginsTooLateToTellWhichImpactIsTheFirst) {
+  // released at the first sample: a bounce before the first impact seen would lie before the recording
+  EXPECT_FALSE(seen_of(samples_of({.height_m = 0.12, .begin_s = 0.0})).drop_height_m);
+  RestitutionSamples late = samples_of({.height_m = 0.12});
+  late.erase(late.begin());  // the first impact was not detected
+  EXPECT_FALSE(seen_of(late).drop_height_m);
+  EXPECT_EQ(seen_of(late).n_impacts, 19u);
+}
+
+TEST(DropsSeen, KnowNoHeightWhereAnotherDropEndedJustBefore) {
+  const auto of_two = [](double pause_s) {
+    Onsets onsets = onsets_of({.height_m = 0.12});
+    const Onsets second = onsets_of({.height_m = 0.12, .begin_s = onsets.back().t_s + pause_s, .number = 1});
+    onsets.insert(onsets.end(), second.begin(), second.end());
+    return seen_of(restitution_samples(onsets, no_air()).samples);
+  };
+  EXPECT_EQ(of_two(1.0).n_heights, 2u);
+  // the bounce before the second one's first impact would have begun .31 s before that, 2 v/g, and .16 s is its fall
+  EXPECT_EQ(of_two(0.1).n_heights, 1u);
+}
+
+TEST(DropsSeen, KnowNoHeightWhereTheFirstSampleIsFlaggedOrALaterFlightRoseHigher) {
+  RestitutionSamples samples = samples_of({.height_m = 0.12});
+  samples.front().flags.add(Flag::missing_impact);
+  EXPECT_FALSE(seen_of(samples).drop_height_m);
+  // struck from below at impact 4
+  EXPECT_FALSE(seen_of(samples_of({.height_m = 0.12, .eps = [](int k) { return k == 4 ? 1.7 : 0.9; }})).drop_height_m);
+}
+
+TEST(DropsSeen, HaveTheHeightInTheirIntervalAndTheNextFlightBelowIt) {
+  std::mt19937 random(7);
+  std::normal_distribution<double> scatter(0.0, 0.01);
+  std::uniform_real_distribution<double> any(0.0, 1.0);
+  constexpr int kDrops = 40;
+  int n_held = 0;
+  for (int i = 0; i < kDrops; ++i) {
+    const double height_m = 0.1 + 1.4 * any(random), eps = 0.6 + 0.35 * any(random);
+    Drop drop{.height_m = height_m};
+    drop.n_impacts = i % 2 == 0 ? 5 : 12;
+    std::vector<double> each(drop.n_impacts);
+    for (double& e : each) e = eps + scatter(random);
+    drop.eps = [&](int k) { return each[static_cast<std::size_t>(k)]; };
+    const RestitutionSamples samples = samples_of(drop);
+    const DropsSeen seen = seen_of(samples);
+    ASSERT_TRUE(seen.drop_height_m && seen.drop_height_ci95_m) << i;
+    const double rise_m = samples.front().v_mps * samples.front().v_mps / (2.0 * kG);
+    EXPECT_GE(*seen.drop_height_m, rise_m);
+    EXPECT_GE(seen.drop_height_ci95_m->lo, rise_m);
+    n_held += seen.drop_height_ci95_m->lo <= height_m && height_m <= seen.drop_height_ci95_m->hi;
+  }
+  EXPECT_GE(n_held, 34);  // of 95 %, fewer once in 200 times
+}
+
+TEST(DropsSeen, OfSeveralDropsTakeTheMedianHeightInAnyOrderOfTheSamples) {
+  RestitutionSamples samples;
+  for (const double height_m : {0.3, 0.1, 0.2}) {
+    const auto of_one = samples_of({.height_m = height_m,
+                                    .eps = [](int) { return 0.8; },
+                                    .n_impacts = 9,
+                                    .begin_s = 100.0 * height_m,
+                                    .number = static_cast<std::int64_t>(std::lround(10 * height_m))});
+    samples.insert(samples.begin(), of_one.rbegin(), of_one.rend());
+  }
+  const DropsSeen seen = seen_of(samples);
+  EXPECT_EQ(seen.n_heights, 3u);
+  EXPECT_NEAR(seen.drop_height_m.value_or(0.0), 0.2, 1e-6);  // as of one
+  EXPECT_EQ(seen.n_impacts, 27u);
+  EXPECT_THAT(sentence_of_drops(samples), HasSubstr("; median of the 3 drops whose first impact was heard)"));
+}
+
+TEST(DropsSeen, OfBouncesThatScatterWidelyTellTheLeastHeightAlone) {
+  const double eps[] = {0.75, 0.6, 0.8, 0.6, 0.7, 0.65, 0.8};
+  const RestitutionSamples samples =
+      samples_of({.height_m = 0.5, .eps = [&](int k) { return eps[k]; }, .n_impacts = 7, .begin_s = 20.0});
+  const DropsSeen seen = seen_of(samples);
+  ASSERT_TRUE(seen.drop_height_ci95_m);
+  EXPECT_GT(seen.drop_height_ci95_m->hi, 2.0 * seen.drop_height_ci95_m->lo);
+  EXPECT_THAT(sentence_of_drops(samples), HasSubstr("Dropped from at least "));
+  EXPECT_THAT(sentence_of_drops(samples), Not(HasSubstr(" to ")));
+}
+
+TEST(DropsSeen, OfAHeightThatWasGivenSayThatOne) {
+  RestitutionConfig config = no_air();
+  config.drop_height_m = 0.12;
+  const DropsSeen seen = seen_of(restitution_samples(onsets_of({.height_m = 0.12}), config).samples);
+  EXPECT_NEAR(seen.drop_height_m.value_or(0.0), 0.12, 1e-12);  // but for rounding
+  EXPECT_FALSE(seen.drop_height_ci95_m);
+}
+
+TEST(DropsSeen, OfATableOfSpeedsAndEpsAloneKnowNeitherImpactsNorTimes) {
+  RestitutionSamples samples(10);
+  for (std::size_t k = 0; k < samples.size(); ++k) {
+    samples[k].impact = static_cast<std::int64_t>(k);  // as such a table is read
+    samples[k].v_mps = 1.0 - 0.01 * static_cast<double>(k);
+    samples[k].eps = 0.9;
+  }
+  const DropsSeen seen = seen_of(samples);
+  EXPECT_FALSE(seen.n_impacts || seen.duration_s || seen.drop_height_m);
+}
+
+}  // namespace
+}  // namespace bouncelab::report
