@@ -50,8 +50,7 @@ std::optional<Estimate> height_of(const Drop& drop, const Estimate* height, doub
   // a flight of T rises g T^2/8, whether there is drag (to a thousandth) or not
   double highest_m = 0.0;
   for (const RestitutionSample* s : drop)
-    if (s->flags.empty())
-      highest_m = std::max(highest_m, square(s->v_mps * std::max(1.0, s->eps)) / (2.0 * gravity_of(*s)));
+    highest_m = std::max(highest_m, square(s->v_mps * std::max(1.0, s->eps)) / (2.0 * gravity_of(*s)));
   if (height->value < highest_m) return {};
   // A bounce before this impact would have risen as high as the height of release, or higher, and would have been heard
   // in the silence. The detector needs some more of it before an impact.
