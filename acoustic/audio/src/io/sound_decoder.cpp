@@ -14,8 +14,9 @@ namespace bouncelab::audio {
 namespace {
 
 constexpr std::int64_t kFramesAtOnce = 1 << 13;  // 32 kB of one channel: stays in the cache
-// An MP3 without a table of contents has no number of frames: libsndfile estimates it by the bit rate, to a block or two.
-// Ogg has the number of its last time stamp, which runs ahead of the samples in a file that was made of another one.
+// An MP3 without a table of contents has no number of frames: libsndfile estimates it by the bit rate, to a block or
+// two. Ogg has the number of its last time stamp, which runs ahead of the samples in a file that was made of another
+// one.
 constexpr std::int64_t kMostOverestimated_frames = 8192;  // the longest block of Vorbis; two blocks of MP3 are 2304
 
 /// Whether a number of frames may be as wrong as that.
