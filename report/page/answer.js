@@ -9,7 +9,7 @@ const shownName = path => namesDiffer ? fileName(path) : path;
 const withoutPaths = text => namesDiffer ? [...recordingPaths].sort((a, b) => b.length - a.length).reduce((t, path) => t.replaceAll(path, fileName(path)), text) : text;
 
 const lengthText = h => !known(h) ? '–' : h < 0.01 ? `${number(1e3 * h, 2)} mm` : h < 1 ? `${number(1e2 * h, 2)} cm` : `${number(h, 2)} m`;
-const heightText = seen => lengthText(seen.drop_height_m) + (seen.drop_height_ci95_m ? ` (${lengthText(seen.drop_height_ci95_m[0])} to ${lengthText(seen.drop_height_ci95_m[1])})` : '');
+const heightText = seen => seen.drop_heights_m ? `${lengthText(seen.drop_heights_m[0])} to ${lengthText(seen.drop_heights_m[1])}` : lengthText(seen.drop_height_m) + (seen.drop_height_ci95_m ? ` (${lengthText(seen.drop_height_ci95_m[0])} to ${lengthText(seen.drop_height_ci95_m[1])})` : '');
 const timeText = t => known(t) ? `${number(t, 2)} s` : '–';
 
 /// What the signs of the answer mean, each where it is used.

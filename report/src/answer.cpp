@@ -62,7 +62,10 @@ const Description& members_of(const DropsSeen*) {
              "later flight rose higher"),
       result("drop_height_ci95_m", &D::drop_height_ci95_m,
              "Its 95 % interval, of several drops that of one; not below the rise of any flight; `null` of a height "
-             "that was given"),
+             "that was given, and of different heights"),
+      result("drop_heights_m", &D::drop_heights_m,
+             "Least and greatest height, where drops of different heights are among them: the median then lies "
+             "outside of the interval of one of them; else `null`"),
       result("n_heights", &D::n_heights, "Drops with a height")};
   return all;
 }

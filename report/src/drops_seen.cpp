@@ -7,16 +7,11 @@
 
 #include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/elementary.hpp"
+#include "bouncelab/core/numerics.hpp"
 #include "bouncelab/report/answer.hpp"
 namespace bouncelab::report {
 using namespace fit;
 namespace {
-
-double median_of(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 double gravity_of(const RestitutionSample& s) { return s.conditions.gravity_mps2.value_or(kDefaultGravity_mps2); }
 /// The interval that ended with the sample's impact, eq. 2.
@@ -117,9 +112,16 @@ void add_heights(const std::map<Name, Drop>& drops, const std::vector<ReleaseHei
     if (h->ci95) lo_m.push_back(h->ci95->lo), hi_m.push_back(h->ci95->hi);
   }
   seen.n_heights = values_m.size();
-  if (!values_m.empty()) seen.drop_height_m = median_of(std::move(values_m));
+  if (values_m.empty()) return;
+  const auto [least, greatest] = std::minmax_element(values_m.begin(), values_m.end());
+  const Interval all{*least, *greatest};
+  const double middle_m = median(std::move(values_m));
+  seen.drop_height_m = middle_m;
+  for (std::size_t k = 0; k < lo_m.size(); ++k)
+    if (middle_m < lo_m[k] || middle_m > hi_m[k]) seen.drop_heights_m = all;
+  if (seen.drop_heights_m) return;
   // what the drops have in common, drag and eps(v), does not average out: the median's interval is that of one drop
-  if (!lo_m.empty()) seen.drop_height_ci95_m = Interval{median_of(std::move(lo_m)), median_of(std::move(hi_m))};
+  if (!lo_m.empty()) seen.drop_height_ci95_m = Interval{median(std::move(lo_m)), median(std::move(hi_m))};
 }
 
 }  // namespace

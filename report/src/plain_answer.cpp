@@ -77,6 +77,12 @@ std::string height(double h_m, const std::optional<Interval>& ci95_m, const std:
   return brackets.empty() ? text : text + " (" + brackets + ")";
 }
 
+/// "2.7 to 30 cm"
+std::string lengths(const Interval& of_drops_m) {
+  const auto [unit, per_m] = unit_of(of_drops_m.hi);
+  return two_digits(per_m * of_drops_m.lo) + " to " + two_digits(per_m * of_drops_m.hi) + unit;
+}
+
 std::string duration(double t_s) {
   return t_s < 120.0    ? two_digits(t_s) + " s"
          : t_s < 7200.0 ? two_digits(t_s / 60.0) + " min"
@@ -218,11 +224,14 @@ std::string of_range(const PlainAnswer& answer, bool differ) {
 std::string of_drops(const DropsSeen& seen, bool one_ball) {
   std::string text;
   if (seen.drop_height_m && one_ball) {
-    const std::string remark = seen.n_drops == 1 ? ""
-                               : seen.n_heights > 1
-                                   ? formatted("median of the %zu drops whose first impact was heard", seen.n_heights)
-                                   : "of the one drop whose first impact was heard";
-    text = "Dropped from " + height(*seen.drop_height_m, seen.drop_height_ci95_m, remark) + "; ";
+    const std::string of_drops = formatted("the %zu drops whose first impact was heard", seen.n_heights);
+    const std::string remark = seen.n_drops == 1     ? ""
+                               : seen.n_heights == 1 ? "of the one drop whose first impact was heard"
+                                                     : "median of " + of_drops;
+    text = "Dropped from " +
+           (seen.drop_heights_m ? lengths(*seen.drop_heights_m) + " (" + of_drops + ")"
+                                : height(*seen.drop_height_m, seen.drop_height_ci95_m, remark)) +
+           "; ";
   }
   if (!seen.n_impacts) return text.empty() ? "" : text.substr(0, text.size() - 2) + ".";
   text += formatted("%s %zu impacts", text.empty() ? "From" : "from", *seen.n_impacts);

@@ -151,21 +151,43 @@ TEST(DropsSeen, HaveTheHeightInTheirIntervalAndTheNextFlightBelowIt) {
   EXPECT_GE(n_held, 34);  // of 95 %, fewer once in 200 times
 }
 
-TEST(DropsSeen, OfSeveralDropsTakeTheMedianHeightInAnyOrderOfTheSamples) {
+constexpr double kOff = 0.055;  // h goes as 1/eps^2, and eps at the first impact, 0.81, may be taken for 0.79
+
+RestitutionSamples drops_from(const std::vector<double>& heights_m) {
   RestitutionSamples samples;
-  for (const double height_m : {0.3, 0.1, 0.2}) {
-    const auto of_one = samples_of({.height_m = height_m,
-                                    .eps = [](int) { return 0.8; },
+  for (std::size_t k = 0; k < heights_m.size(); ++k) {
+    const auto of_one = samples_of({.height_m = heights_m[k],
+                                    .eps = [](int impact) { return impact % 2 == 0 ? 0.81 : 0.79; },
                                     .n_impacts = 9,
-                                    .begin_s = 100.0 * height_m,
-                                    .number = static_cast<std::int64_t>(std::lround(10 * height_m))});
+                                    .begin_s = 10.0 + 20.0 * static_cast<double>(k),
+                                    .number = static_cast<std::int64_t>(k)});
     samples.insert(samples.begin(), of_one.rbegin(), of_one.rend());
   }
+  return samples;
+}
+
+TEST(DropsSeen, OfSeveralDropsFromOneHeightTakeTheMedianInAnyOrderOfTheSamples) {
+  const RestitutionSamples samples = drops_from({0.201, 0.199, 0.2});
   const DropsSeen seen = seen_of(samples);
   EXPECT_EQ(seen.n_heights, 3u);
-  EXPECT_NEAR(seen.drop_height_m.value_or(0.0), 0.2, 1e-6);  // as of one
+  EXPECT_NEAR(seen.drop_height_m.value_or(0.0), 0.2, 0.2 * kOff);
+  EXPECT_FALSE(seen.drop_heights_m);
   EXPECT_EQ(seen.n_impacts, 27u);
   EXPECT_THAT(sentence_of_drops(samples), HasSubstr("; median of the 3 drops whose first impact was heard)"));
+}
+
+TEST(DropsSeen, OfDropsFromDifferentHeightsTellTheRange) {
+  for (const std::vector<double>& heights_m : {std::vector{0.65, 1.68}, {0.3, 0.13, 0.06, 0.06, 0.027}}) {
+    const RestitutionSamples samples = drops_from(heights_m);
+    const DropsSeen seen = seen_of(samples);
+    ASSERT_TRUE(seen.drop_heights_m) << heights_m.size();
+    EXPECT_FALSE(seen.drop_height_ci95_m);
+    const auto [least, greatest] = std::minmax_element(heights_m.begin(), heights_m.end());
+    EXPECT_NEAR(seen.drop_heights_m->lo / *least, 1.0, kOff);
+    EXPECT_NEAR(seen.drop_heights_m->hi / *greatest, 1.0, kOff);
+    EXPECT_THAT(sentence_of_drops(samples), HasSubstr(heights_m.size() == 2 ? "Dropped from 0.6" : "Dropped from 2."));
+    EXPECT_THAT(sentence_of_drops(samples), HasSubstr(" (the "));
+  }
 }
 
 TEST(DropsSeen, OfBouncesThatScatterWidelyTellTheLeastHeightAlone) {

@@ -135,9 +135,9 @@ std::vector<std::string> warnings_for(const Detection& d, const BandOfChannel& f
   if (const auto n = count_flag(d.onsets, Flag::clipped); n > 0)
     warnings.push_back(std::to_string(n) + of_all + "are clipped: record with less gain");
   if (!is_timed_in_full_band)
-    warnings.push_back(found.sound.rate_hz < kBelow500_hz
-                           ? "the impacts were found below 500 Hz only: times to a millisecond or two at best"
-                           : "the impacts were found below 2 kHz only: times to a fraction of a millisecond at best");
+    warnings.push_back(std::string("the times were taken from the sound below ") +
+                       (found.sound.rate_hz < kBelow500_hz ? "500 Hz" : "2 kHz") +
+                       ", where the impacts stand out most: less exact than those of all frequencies");
   if (const auto n = count_flag(d.onsets, Flag::improbable); n > 0)
     warnings.push_back(std::to_string(n) + of_all +
                        "are less likely than not the ball's (flag improbable): no ε is taken from them");

@@ -118,12 +118,15 @@ TEST_F(WrongHeader, ARightOneGetsNoWarning) {
 
 TEST_F(WrongHeader, MoreIsPromisedThanIsThere) {
   for (const Container& c : kContainers)
-    for (const std::uint64_t more : {36u, 1000u}) {
+    for (const std::uint64_t more : {36u, 8000u}) {
       SCOPED_TRACE(c.name);
       std::string bytes = written(c);
       promise(bytes, c, promised(bytes, c) + more + c.more);
       AudioReader reader = reader_of(bytes);
-      EXPECT_THAT(reader.format().warning, AllOf(HasSubstr("promises 12"), HasSubstr("holds 12000 samples")));
+      if (more == 36u)  // the header of a WAV file, which some recorders count too: nothing is cut off
+        EXPECT_EQ(reader.format().warning, "");
+      else
+        EXPECT_THAT(reader.format().warning, AllOf(HasSubstr("promises 1"), HasSubstr("holds 12000 samples")));
       expect_frames(reader, kFrames);
     }
 }

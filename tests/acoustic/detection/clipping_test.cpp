@@ -43,7 +43,8 @@ TEST(Clipping, IsOfTheImpactsBeyondTheLimitAndOfNoOthers) {
   const std::vector<float> whole = render(b);
   const float loudest = std::ranges::max(whole), softest = std::ranges::min(whole);
   // an amplifier's limit, below full scale and on one side alone; a converter's
-  for (const auto& [lowest, highest] : {std::pair{-2.0F, 0.5F * loudest}, {0.5F * softest, 2.0F}}) {
+  for (const bool is_above : {true, false}) {
+    const float lowest = is_above ? -2.0F : 0.5F * softest, highest = is_above ? 0.5F * loudest : 2.0F;
     const auto times = test::impact_times(b);
     const auto n_beyond = static_cast<std::size_t>(std::ranges::count_if(times, [&](double t_s) {
       const auto first = whole.begin() + std::llround(t_s * b.rate_hz) - 1;

@@ -17,7 +17,8 @@ namespace {
 
 constexpr int kMostChunks = 1000;  // some writers add a dozen; chunks may also lead round in a circle
 // What follows the samples and is no chunk: up to this the padding or the tags of some writers (ID3v1: 128 bytes), and
-// less than 0.1 s of sound in any case. libsndfile leaves it out, and so do we.
+// less than 0.1 s of sound in any case. libsndfile leaves it out, and so do we. Nor is it told when so much is missing:
+// some writers count the header among the samples.
 constexpr std::int64_t kMostPadding_bytes = 4096;
 constexpr std::int64_t kMostPlainChannels = 1024;  // of libsndfile
 
@@ -255,7 +256,10 @@ std::optional<PlainSound> plain_sound(SoundBytes& bytes, const std::string& name
   sound.first_byte = s->begin;
   std::optional<double> n_promised = length_of(*s);
   if (n_promised) *n_promised /= static_cast<double>(s->frame_bytes);
-  if (held) info.warning = wrong_length(info, n_promised);
+  const double missing_bytes =
+      n_promised ? (*n_promised - static_cast<double>(info.n_frames)) * static_cast<double>(s->frame_bytes) : 0.0;
+  if (held && !(missing_bytes > 0.0 && missing_bytes <= kMostPadding_bytes))
+    info.warning = wrong_length(info, n_promised);
   return sound;
 }
 

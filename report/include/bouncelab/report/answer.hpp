@@ -23,8 +23,11 @@ struct DropsSeen {
   /// first impact was seen: the recording began early enough to have heard one bounce before it, and no other drop
   /// ended so shortly before. None where a later flight rose higher.
   std::optional<double> drop_height_m;
-  std::optional<fit::Interval> drop_height_ci95_m;  ///< not below the highest flight; absent of a height that was given
-  std::size_t n_heights = 0;                        ///< drops with a height
+  /// Not below the highest flight; absent of a height that was given, and of different heights.
+  std::optional<fit::Interval> drop_height_ci95_m;
+  /// Least and greatest where drops of different heights are among them, more than their intervals differ.
+  std::optional<fit::Interval> drop_heights_m;
+  std::size_t n_heights = 0;  ///< drops with a height
 };
 const Description& members_of(const DropsSeen*);
 
