@@ -33,9 +33,9 @@ std::vector<std::int64_t> block_starts(const audio::AudioSource& source, std::in
   std::vector<std::int64_t> all, chosen;
   for (std::int64_t k = 0; k < n_all; ++k) all.push_back(k * length);
   const auto choose = [&] {
-    const std::int64_t n = std::min(std::ssize(all), kMostBlocks);
+    const auto n_found = static_cast<std::int64_t>(all.size()), n = std::min(n_found, kMostBlocks);
     chosen.clear();
-    for (std::int64_t k = 0; k < n; ++k) chosen.push_back(all[static_cast<std::size_t>(k * std::ssize(all) / n)]);
+    for (std::int64_t k = 0; k < n; ++k) chosen.push_back(all[static_cast<std::size_t>(k * n_found / n)]);
   };
   choose();
   if (n_all <= kMostBlocks || std::all_of(chosen.begin(), chosen.end(), has_sound)) return chosen;
