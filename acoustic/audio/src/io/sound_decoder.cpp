@@ -14,15 +14,7 @@ namespace bouncelab::audio {
 namespace {
 
 constexpr std::int64_t kFramesAtOnce = 1 << 13;  // 32 kB of one channel: stays in the cache
-// An MP3 without a table of contents has no number of frames: libsndfile estimates it by the bit rate, to a block or
-// two. Ogg has the number of its last time stamp, which runs ahead of the samples in a file that was made of another
-// one.
-constexpr std::int64_t kMostOverestimated_frames = 8192;  // the longest block of Vorbis; two blocks of MP3 are 2304
-
-/// Whether a number of frames may be as wrong as that.
-bool is_estimate(const SoundInfo& info) {
-  return info.lossy_coding == "MP3" || info.lossy_coding == "Vorbis" || info.lossy_coding == "Opus";
-}
+constexpr std::int64_t kMp3Block_frames = 1152;
 // FLAC packs best: a block of 65,535 equal samples into 10 bytes
 constexpr std::int64_t kMostFramesPerByte = 1 << 16;
 
@@ -221,10 +213,11 @@ std::span<const float> SoundDecoder::next() {
   s.cursor.bytes.check(s.name);
   if (s.n_read / kMostFramesPerByte > s.cursor.size)
     throw FileError(s.name, "has more samples than any file of its length: damaged? record or copy it again");
+  // an MP3 without a table of contents has no number: libsndfile estimates it by the bit rate, to a block or two
   const std::int64_t n_missing = s.info.n_frames - s.n_read;
-  const bool is_complete = is_estimate(s.info) && n_missing <= kMostOverestimated_frames;
+  const bool is_estimate = s.info.lossy_coding == "MP3" && n_missing <= 2 * kMp3Block_frames;
   const bool may_have_all = s.has_length && s.info.n_frames / kMostFramesPerByte <= s.cursor.size;
-  if (got == 0 && n_missing > 0 && may_have_all && !is_complete && s.can_read_last())
+  if (got == 0 && n_missing > 0 && may_have_all && !is_estimate && s.can_read_last())
     throw FileError(s.name, ends_early(s.n_read, s.info.n_frames));
   return std::span(s.piece).first(static_cast<std::size_t>(got * s.info.n_channels));
 }
@@ -232,7 +225,8 @@ std::span<const float> SoundDecoder::next() {
 void conclude(SoundInfo& info, bool has_length, std::int64_t n_found, const std::string& name) {
   const std::int64_t n_promised = std::exchange(info.n_frames, n_found);
   if (n_found == 0) throw FileError(name, "holds no samples; record again");
-  if (n_found != n_promised && !(is_estimate(info) && std::abs(n_found - n_promised) <= kMostOverestimated_frames))
+  const bool is_estimate = info.lossy_coding == "MP3" && std::abs(n_found - n_promised) <= 2 * kMp3Block_frames;
+  if (n_found != n_promised && !is_estimate)
     info.warning = wrong_length(info, has_length ? std::optional(static_cast<double>(n_promised)) : std::nullopt);
 }
 
