@@ -46,6 +46,8 @@ const std::vector<Stage> kStages{
      {{"eps", 76, 74.209308576228182}}},
     {"fit samples.csv --goodness-replicates 3 --bootstrap 3 --out fit.json --table law.csv", "fit.json", {}},
     {"", "law.csv", {{"eps", 25, 24.418226725927685}}},
+    {"restitution other.csv --out samples2.csv", "samples2.csv", {}},
+    {"compare samples.csv samples2.csv --out compared", "compared/comparison.json", {}},
 };
 
 class SameBytes : public ProgramTest {
@@ -90,7 +92,7 @@ TEST_F(SameBytes, InAnyTimeZoneAndLanguage) {
   for (const std::string where : {"LC_ALL=C TZ=UTC", "LC_ALL=de_DE.UTF-8 TZ=Asia/Tokyo"}) {
     ASSERT_EQ(shell(where + " \"$B\" restitution i.csv --out s.csv --force --quiet").exit_code, 0);
     ASSERT_LE(shell(where + " \"$B\" fit s.csv --out f.json --force --quiet").exit_code, 1);
-    const std::string both = content_of(folder_ / "s.csv") + content_of(folder_ / "f.json");
+    const std::string both = content("s.csv") + content("f.json");
     if (first.empty()) first = both;
     EXPECT_TRUE(both == first) << where;
   }

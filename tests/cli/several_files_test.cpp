@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // `restitution` of several tables of onsets; `fit` and `compare` have tests of their own.
 #include "program.hpp"
+#include "wav.hpp"
 
 namespace bouncelab::cli_test {
 namespace {
@@ -24,7 +25,7 @@ class SeveralFiles : public ProgramTest {
     EXPECT_EQ(result.exit_code, 0) << result.err;
     EXPECT_EQ(result.err.empty(), warning.empty()) << result.err;
     EXPECT_THAT(result.err, testing::HasSubstr(warning));
-    return content_of(folder_ / "s.csv");
+    return content("s.csv");
   }
 };
 
@@ -51,6 +52,29 @@ TEST_F(SeveralFiles, OfTheSameContentCountOnce) {
   write("1.csv", kHeader + drop_of("x.wav", 0, 0.9));
   write("copy.csv", kHeader + drop_of("x.wav", 0, 0.9));
   EXPECT_EQ(samples_of("1.csv copy.csv", "copy.csv: the same onsets as 1.csv"), samples_of("1.csv"));
+  fs::copy_file(folder_ / "s.csv", folder_ / "t.csv");
+  EXPECT_THAT(run("fit s.csv t.csv --out f.json").err,
+              testing::HasSubstr("t.csv: the same samples as s.csv (by content)"));
+  EXPECT_EQ(json("f.json")["n_used"], 3);
+  write("a.wav", float_wav(bouncing(12), 44100));
+  fs::copy_file(folder_ / "a.wav", folder_ / "copy.wav");
+  write("other.wav", float_wav(bouncing(13), 44100));
+  const Result result = run("detect a.wav copy.wav other.wav ./a.wav --out o.csv --json");
+  EXPECT_EQ(Json(result.out)["n_onsets"], 25);
+  for (const char* copy : {"copy.wav", "./a.wav"})
+    EXPECT_THAT(result.err, testing::HasSubstr(std::string(copy) + ": the same recording as a.wav"));
+  EXPECT_EQ(json("o.csv.meta.json")["inputs"].size(), 2u);
+  EXPECT_EQ(run("analyze a.wav copy.wav other.wav --out out").exit_code, 0);
+  EXPECT_EQ(json("out/summary.json")["n_onsets"], 25);
+}
+
+TEST_F(SeveralFiles, WithTheSameDropAreSaidToHaveItTwice) {
+  write("1.csv", kHeader + drop_of("x.wav", 0, 0.9));
+  write("2.csv", kHeader + drop_of("y.wav", 3, 0.9));
+  for (const std::string command :
+       {"analyze 1.csv 2.csv --out a", "restitution 1.csv 2.csv --out s.csv", "compare s.csv --out c"})
+    if (const Result result = run(command); command[0] != 'r')
+      EXPECT_THAT(result.out + result.err, testing::HasSubstr("the same drop twice?")) << command;
 }
 
 TEST_F(SeveralFiles, OfTwoBallsNeedToBeToldWhichItIs) {

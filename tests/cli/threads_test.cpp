@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // --threads is what the program uses: its threads are counted from outside while it works.
-#include <algorithm>
+#include <cstdlib>
 
 #include "program.hpp"
 #include "support/sanitizers.hpp"
@@ -12,12 +12,11 @@ class Threads : public ProgramTest {
  protected:
   /// Most threads that the program was seen with.
   int most_threads(const std::string& arguments) const {
-    const std::string line = "cd '" + folder_.path().string() + "' && { '" BOUNCELAB_PROGRAM "' " + arguments +
-                             " >/dev/null 2>err </dev/null & } && p=$! && most=0 && "
-                             "while kill -0 $p 2>/dev/null; do set -- /proc/$p/task/*; "
-                             "[ $# -gt $most ] && most=$#; sleep 0.001; done; wait $p && echo $most >most";
-    EXPECT_EQ(std::system(line.c_str()), 0) << content_of(folder_ / "err");
-    return std::atoi(content_of(folder_ / "most").c_str());
+    const Result result = shell("\"$B\" " + arguments +
+                                " >/dev/null & p=$!; most=0; while kill -0 $p 2>/dev/null; do set -- /proc/$p/task/*; "
+                                "[ $# -gt $most ] && most=$#; sleep 0.001; done; wait $p && echo $most");
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return std::atoi(result.out.c_str());
   }
 };
 
@@ -38,17 +37,6 @@ TEST_F(Threads, AreAsManyAsAskedForInEveryCommandThatComputesLong) {
     EXPECT_GE(n, 2) << command;
     EXPECT_LE(n, 3) << command;
   }
-}
-
-// ten segments of a thread, with impacts at their ends too
-TEST_F(Threads, DoNotChangeTheOnsetsOfALongRecording) {
-  ASSERT_EQ(run("simulate --drops 8 --impacts 80 --asperities 2000 --out i.csv").exit_code, 0);
-  ASSERT_EQ(run("synthesize i.csv --rate 16000 --max-mode 7000 --out a.wav").exit_code, 0);
-  ASSERT_EQ(run("detect a.wav --threads 1 --out one.csv").exit_code, 0);
-  ASSERT_EQ(run("detect a.wav --threads 3 --out three.csv").exit_code, 0);
-  const std::string one = content_of(folder_ / "one.csv");
-  EXPECT_GT(std::count(one.begin(), one.end(), '\n'), 600);
-  EXPECT_EQ(one, content_of(folder_ / "three.csv"));
 }
 
 }  // namespace

@@ -1,20 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The library, its descriptions in files beside it, and a host that is a program.
+// The library, and its descriptions in files beside it.
 #include <dlfcn.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <array>
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 
-#include "bouncelab/audio/audio_writer.hpp"
-#include "bouncelab/detection/detect.hpp"
 #include "hosted_plugin.hpp"
-#include "support/bouncing_sound.hpp"
-#include "support/temporary_folder.hpp"
 
 namespace bouncelab::test {
 namespace {
@@ -63,30 +57,6 @@ TEST(VampLibrary, ShowsItsEntryPointAndNothingElse) {
   EXPECT_NE(dlsym(library, "vampGetPluginDescriptor"), nullptr);
   EXPECT_EQ(dlsym(library, "_ZN9bouncelab10ball_kindsEv"), nullptr);  // it is inside
   dlclose(library);
-}
-
-TEST(VampLibrary, SimpleHostPrintsTheImpacts) {
-  if (std::system("command -v vamp-simple-host >/dev/null") != 0) GTEST_SKIP() << "no vamp-simple-host";
-  BouncingSound sound;
-  sound.n_impacts = 12;
-  const std::vector<float> samples = render(sound);
-  const TemporaryFolder folder;
-  const std::filesystem::path wav = folder.path() / "drop.wav";
-  audio::AudioWriter writer(wav, {.rate_hz = 48000}, std::ssize(samples), false);
-  writer.write(std::span<const float>(samples));
-  writer.commit();
-  const std::string command =
-      "VAMP_PATH='" BOUNCELAB_VAMP_FOLDER "' vamp-simple-host bouncelab:impacts '" + wav.string() + "' 2>/dev/null";
-  std::FILE* const pipe = popen(command.c_str(), "r");
-  ASSERT_NE(pipe, nullptr);
-  std::string printed;
-  std::array<char, 4096> piece{};
-  for (std::size_t n = 0; (n = std::fread(piece.data(), 1, piece.size(), pipe)) > 0;) printed.append(piece.data(), n);
-  ASSERT_EQ(pclose(pipe), 0);
-  const Onsets onsets = detection::detect(wav).onsets;
-  ASSERT_GE(onsets.size(), 10u);
-  for (const Onset& onset : onsets)
-    EXPECT_THAT(printed, HasSubstr("drop 0, impact " + std::to_string(onset.impact))) << printed;
 }
 
 }  // namespace
