@@ -22,7 +22,7 @@ class Answer : public ProgramTest {
     EXPECT_GE(at["ci95"][1].number(), eps) << answer;
     EXPECT_LT(at["se"].number(), se_max) << answer;
   }
-  static std::string first_line(const Json& answer) { return answer["sentences"][0]; }
+  static std::string first_line(const Json& answer) { return answer["sentences"][0].text(); }
 };
 
 TEST_F(Answer, OfASoundWithOneEpsClaimsNoChangeWithTheSpeed) {

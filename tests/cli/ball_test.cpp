@@ -140,8 +140,7 @@ TEST_F(BallOption, WhoseContactsWouldBeMostOfTheBouncesLeavesTheRowsOut) {
   EXPECT_LE(fitted.exit_code, 1);
   EXPECT_THAT(fitted.err, testing::HasSubstr("the ball named touches the floor for most of that bounce"));
   // of the intervals .28 s .97^k those from the 19th on are shorter than twice 80 ms
-  const int n = json("f.json")["n_left_out"]["contact_most_of_bounce"].number();
-  EXPECT_NEAR(n, 58 - 18, 1);
+  EXPECT_NEAR(json("f.json")["n_left_out"]["contact_most_of_bounce"].number(), 58 - 18, 1);
 }
 
 TEST_F(BallOption, AProvenanceThatWasEditedIsRefusedWhereItIsWrong) {

@@ -56,7 +56,7 @@ TEST_F(CompareCommand, FindsDriftPlateAndBadRecording) {
   const Result result = run("compare s.csv --groups g.csv --out o");
   ASSERT_EQ(result.exit_code, 0) << result.err;
   const auto c = comparison();
-  EXPECT_EQ(c["n_recordings"], kRecordings);
+  EXPECT_EQ(c["n_recordings"], kRecordings + 1);
   ASSERT_EQ(c["not_used"].size(), 1u);
   EXPECT_EQ(c["not_used"][0]["recording"], "short.wav");
   EXPECT_THAT(c["not_used"][0]["message"].text(), testing::HasSubstr("at least 8"));
@@ -82,7 +82,7 @@ TEST_F(CompareCommand, FindsDriftPlateAndBadRecording) {
   EXPECT_THAT(result.out, testing::HasSubstr("rises over the campaign"));
   EXPECT_THAT(result.out, testing::HasSubstr(name_of(kBad)));
   const std::string table = content("o/comparison.csv");
-  EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), static_cast<std::ptrdiff_t>(kRecordings) + 1);
+  EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), static_cast<std::ptrdiff_t>(kRecordings) + 2);
   EXPECT_THAT(table, testing::HasSubstr(name_of(0) + ",glass 1,2026-03-10T10:30:00,"));
   const std::string page = content("o/report.html");
   EXPECT_THAT(page, testing::HasSubstr("rises over the campaign"));

@@ -34,9 +34,9 @@ class Names : public ProgramTest {
 };
 
 TEST_F(Names, WithLineBreaksQuotesAndEscapeSequencesGoThroughEveryTable) {
-  for (const std::string name :
-       {std::string("new\nline.wav"), std::string("car\rriage.wav"), std::string("a, \"b\" .wav"),
-        std::string("\x1b[31mred.wav"), std::string(" blank.wav"), std::string(240, 'n') + ".wav"})
+  for (const std::string& name :
+       std::vector<std::string>{"new\nline.wav", "car\rriage.wav", "a, \"b\" .wav", "\x1b[31mred.wav", " blank.wav",
+                                std::string(240, 'n') + ".wav"})
     expect_whole_way(name, "./" + name);
 }
 

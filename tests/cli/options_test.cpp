@@ -44,10 +44,13 @@ std::map<std::string, std::string> state_of(const std::vector<cli::Option>& opti
 /// With what else has to be there: names of files, which are not looked at here.
 std::vector<std::string> line_with(const std::vector<cli::Option>& options, const std::string& name,
                                    const std::string& value) {
-  std::vector<std::string> line{"--" + name + "=" + value}, positional;
+  // of "$VALUE", which is not set, nothing is left
+  std::vector<std::string> line =
+      value.empty() ? std::vector{"--" + name, value} : std::vector{"--" + name + "=" + value};
+  std::vector<std::string> positional;
   for (const cli::Option& option : options)
     if (option.member->is_required && option.member->is_positional)
-      positional.emplace_back("x");
+      positional.push_back(cli::value_name(*option.member).starts_with('{') ? "bash" : "x");
     else if (option.member->is_required && option_name(*option.member) != name)
       line.push_back("--" + option_name(*option.member) + "=x");
   line.emplace_back("--");
@@ -61,8 +64,11 @@ void expect_in_range(const Member& member, const Value& value) {
   if (const auto* integer = std::get_if<std::int64_t>(&value)) in_range(static_cast<double>(*integer));
   if (const auto* reals = std::get_if<std::vector<double>>(&value))
     std::for_each(reals->begin(), reals->end(), in_range);
-  if (const auto* text = std::get_if<std::string>(&value); text != nullptr && !member.choices.empty())
-    EXPECT_THAT(member.choices, testing::Contains(*text));
+  const auto* text = std::get_if<std::string>(&value);
+  const std::string form = cli::value_name(member);
+  if (text != nullptr && form.starts_with('{')) {
+    EXPECT_THAT(form, testing::HasSubstr(*text));
+  }
 }
 
 /// Either the value is in force and all others are as they were, or one line says what is wrong with which option.
@@ -79,7 +85,8 @@ void expect_taken_or_refused(const cli::Command& command, const std::string& nam
     auto after = state_of(options);
     if (member.kind != Member::Kind::flag && !member.is_required) {
       expect_in_range(member, value_from_text(member, value));
-      EXPECT_EQ(value_from_text(member, after.at(name)), value_from_text(member, value));
+      const std::string& in_force = after.at(name);  // of what is not known as it is typed
+      EXPECT_TRUE(in_force == text_of(value_from_text(member, value)) || in_force == value) << in_force;
     }
     before.erase(name);
     after.erase(name);
@@ -90,7 +97,9 @@ void expect_taken_or_refused(const cli::Command& command, const std::string& nam
     EXPECT_EQ(message.find_first_of("\n\x1b"), std::string::npos) << message;
     EXPECT_LT(message.size(), 1200U);
     EXPECT_EQ(state_of(options), before);
-    if (!value.empty()) EXPECT_THROW(value_from_text(member, value), InvalidArgument) << message;
+    if (!value.empty()) {
+      EXPECT_THROW(value_from_text(member, value), InvalidArgument) << message;
+    }
   }
 }
 
@@ -103,7 +112,8 @@ TEST(NastyValues, OfEveryOptionAreInRangeOrRefusedInOneLine) {
       ++n_options;
       // a command of its own for each value: it holds what was set
       for (const std::string& value : nasty_values())
-        expect_taken_or_refused(named.make(), option_name(*option.member), value);
+        if (!value.empty() || option.member->kind != Member::Kind::flag)
+          expect_taken_or_refused(named.make(), option_name(*option.member), value);
     }
   }
   EXPECT_GT(n_options, 190U);
@@ -126,18 +136,15 @@ TEST_F(Options, InRangeButOfNoUseGetAnAnswerInWords) {
       0);
   ASSERT_EQ(run("restitution t.csv --out s.csv --quiet").exit_code, 0);
   const std::string brief = " --drops 1 --impacts 8 --asperities 20";
-  for (const std::string line :
-       {"simulate --out o.csv --height=1e-6" + brief, "simulate --out o.csv --law=series:A2=1e300" + brief,
-        "simulate --out o.csv --radius-law=constant:1e-300" + brief,
-        std::string("synthesize i.csv --out o.wav --peak=0"),
-        std::string("synthesize i.csv --out o.wav --snr-db=-1e300"),
-        std::string("detect r.wav --out o.csv --gravity=1e300"),
-        std::string("restitution t.csv --out o.csv --drop-height=1e-300"),
-        std::string("fit s.csv --out o.json --goodness-replicates 0 --window-width=4.9e-324"),
-        std::string("roughness s.csv --goodness-replicates 0 --ball=radius=1e-300"),
-        std::string("calibrate --samples 100 --seeds 2 --timing=1e300"),
-        std::string("convert t.csv --to o.txt --unit=nan"),
-        std::string("analyze r.wav --out o --goodness-replicates 0 --drop-height=1e-300")}) {
+  for (const std::string& line : std::vector<std::string>{
+           "simulate --out o.csv --height=1e-6" + brief, "simulate --out o.csv --law=series:A2=1e300" + brief,
+           "simulate --out o.csv --radius-law=constant:1e-300" + brief, "synthesize i.csv --out o.wav --peak=0",
+           "synthesize i.csv --out o.wav --snr-db=-1e300", "detect r.wav --out o.csv --gravity=1e300",
+           "restitution t.csv --out o.csv --drop-height=1e-300",
+           "fit s.csv --out o.json --goodness-replicates 0 --window-width=4.9e-324",
+           "roughness s.csv --goodness-replicates 0 --ball=radius=1e-300",
+           "calibrate --samples 100 --seeds 2 --timing=1e300", "convert t.csv --to o.txt --unit=nan",
+           "analyze r.wav --out o --goodness-replicates 0 --drop-height=1e-300"}) {
     SCOPED_TRACE(line);
     const Result result = shell("timeout 60 \"$B\" " + line + " --force --quiet");
     EXPECT_TRUE(result.exit_code >= 0 && result.exit_code <= 3) << result.exit_code << ": " << result.err;

@@ -71,7 +71,7 @@ TEST_F(ValidateCommand, TakesTimesFromOutputFilesAndWhatAProgramMakesOfTheirName
     EXPECT_EQ(found[d]["recordings"][0]["failure"], "");
     EXPECT_EQ(found[d]["all"]["f_0.1ms"], 1.0) << found[d]["detector"];
     EXPECT_LT(found[d]["all"]["eps_error"].number(), 1e-9);
-    if (d > 1) EXPECT_EQ(found[d]["all"]["coverage"], 1.0) << found[d]["detector"];
+    EXPECT_TRUE(d < 2 || found[d]["all"]["coverage"] == 1.0) << found[d]["detector"];
   }
   EXPECT_EQ(found[5]["recordings"][0]["failure"], "the program has not written {out}");
 }
@@ -130,7 +130,7 @@ TEST_F(ValidateCommand, GivesAFailedDetectorNeitherSpeedNorSilenceAndEndsWhatItS
   write("starts.sh", "sh -c 'sleep 3; touch outlived' & sleep 100\n");
   const Result result =
       run("validate --config set.toml --time-limit 1 --out o --detector 'sh fails.sh {wav}' "
-                      "--detector 'sh starts.sh {wav}' ") +
+          "--detector 'sh starts.sh {wav}' " +
           kSmall);
   EXPECT_EQ(result.exit_code, 1);  // none worked anywhere
   EXPECT_THAT(result.err, HasSubstr("the program failed (exit code 1): ValueError: empty"));
