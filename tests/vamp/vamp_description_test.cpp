@@ -49,6 +49,10 @@ TEST_P(VampDescription, TheFilesSayWhatThePluginSays) {
   }
   for (const auto& parameter : plugin->getParameterDescriptors()) {
     EXPECT_THAT(n3, HasSubstr("plugbase:" + plugin->getIdentifier() + "_param_" + parameter.identifier + " a "));
+    std::ostringstream range;
+    range << "vamp:min_value       " << parameter.minValue << " ;\n    vamp:max_value       " << std::setprecision(9)
+          << parameter.maxValue << " ;";
+    EXPECT_THAT(n3, HasSubstr(range.str()));
     std::string names;
     for (const std::string& name : parameter.valueNames) names += (names.empty() ? "" : " ") + quoted(name);
     EXPECT_THAT(n3, HasSubstr(names));
