@@ -45,6 +45,8 @@ TEST(FitAll, WhatDragLeavesOpenIsInErrorsAndCovariancesAlikeWithAndWithoutMemory
   config.memory = UseMemory::always;
   const FitResult result = fit_all(in_air, config);
   ASSERT_TRUE(result.averaged && result.averaged->kappa_per_m && *result.averaged->kappa_per_m->se > 0.0);
+  const Estimate& kappa = *result.averaged->kappa_per_m;  // log-normal
+  EXPECT_NEAR(std::log(kappa.ci95->hi / kappa.ci95->lo) / std::log(kappa.ci68->hi / kappa.ci68->lo), 1.96, 1e-3);
   ASSERT_TRUE(result.memory && !result.memory->covariance.empty()) << result.memory->message;
   const auto expect_alike = [](const auto& law) {
     ASSERT_EQ(law.parameters.size(), 3u);
