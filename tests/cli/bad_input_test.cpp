@@ -102,7 +102,7 @@ TEST_F(BadInput, AnExistingOutputIsKeptUnlessForced) {
 }
 
 TEST_F(BadInput, OfManyRecordingsOneThatNeverEndsIsLostAndNoOther) {
-  fs::copy(fs::path(BOUNCELAB_TEST_INPUTS) / "endless_chunks.wav", folder_ / "endless.wav");
+  fs::copy(fs::path(test::kInputs) / "endless_chunks.wav", folder_ / "endless.wav");
   expect_refused("detect endless.wav --out o.csv", 3, {"endless.wav", "processor time", "ffmpeg"});
   write("a.wav", float_wav(bouncing(12), 44100));
   write("b.wav", float_wav(bouncing(11), 44100));
@@ -124,7 +124,7 @@ TEST_F(BadInput, Hdf5IsLeftToPandas) {
 
 TEST_F(BadInput, AStreamedFlacIsDetectedAsTheSameFileWithItsLength) {
   // as an encoder leaves it that writes to a pipe: 0 samples in the header (RFC 9639, 8.2)
-  std::string flac = content_of(fs::path(BOUNCELAB_SAMPLES) / "clean.flac");
+  std::string flac = content_of(fs::path(test::kSamples) / "clean.flac");
   write("a.flac", flac);
   ASSERT_EQ(run("detect a.flac --out whole.csv").exit_code, 0);
   flac[21] = static_cast<char>(flac[21] & 0xF0);

@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "support/places.hpp"
 #include "support/temporary_folder.hpp"
 
 namespace bouncelab::cli_test {
@@ -40,7 +41,7 @@ class ProgramTest : public testing::Test {
   /// A script of the shell in that folder, in which $B is the program.
   Result shell(const std::string& script) const {
     const fs::path out = folder_.path().string() + ".out", err = folder_.path().string() + ".err";
-    const std::string line = "cd '" + folder_.path().string() + "' && B='" BOUNCELAB_PROGRAM "' && { " + script +
+    const std::string line = "cd '" + folder_.path().string() + "' && B='" + test::kProgram + "' && { " + script +
                              "\n} >'" + out.string() + "' 2>'" + err.string() + "' </dev/null";
     const int status = std::system(line.c_str());
     Result result{WIFEXITED(status) ? WEXITSTATUS(status) : -1, content_of(out), content_of(err)};

@@ -16,12 +16,12 @@ Onsets read(const fs::path& path) {
 
 detection::OnsetScore score_of(const Result& result, const fs::path& folder, const std::string& name) {
   EXPECT_EQ(result.exit_code, 0) << result.err;
-  return detection::score_onsets(read(fs::path(BOUNCELAB_SAMPLES) / (name + ".truth.csv")), read(folder / "o.csv"));
+  return detection::score_onsets(read(fs::path(test::kSamples) / (name + ".truth.csv")), read(folder / "o.csv"));
 }
 
 TEST_F(Samples, EveryImpactOfTheCleanOneIsFoundAndNoneInvented) {
   const detection::OnsetScore score =
-      score_of(run("detect '" BOUNCELAB_SAMPLES "/clean.flac' --out o.csv"), folder_, "clean");
+      score_of(run(std::string("detect '") + test::kSamples + "/clean.flac' --out o.csv"), folder_, "clean");
   EXPECT_EQ(score.n_missed, 0u);
   EXPECT_EQ(score.n_invented, 0u);
   // a template refers to a point inside the contact, which moves by half of (39 - 26) us of Hertz's law from the first
@@ -31,7 +31,7 @@ TEST_F(Samples, EveryImpactOfTheCleanOneIsFoundAndNoneInvented) {
 
 TEST_F(Samples, ImpactsOfTheHardOneAreFoundAmongKnocksAndClicks) {
   const detection::OnsetScore score =
-      score_of(run("detect '" BOUNCELAB_SAMPLES "/hard.flac' --out o.csv"), folder_, "hard");
+      score_of(run(std::string("detect '") + test::kSamples + "/hard.flac' --out o.csv"), folder_, "hard");
   EXPECT_LE(score.n_missed, 1u);  // 80 impacts at .99
   EXPECT_LE(score.n_invented, 1u);
   EXPECT_LT(*score.rms_s, 4e-6);

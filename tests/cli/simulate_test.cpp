@@ -65,7 +65,7 @@ TEST_F(SimulateCommand, RefusesWhatCannotBeWithTheQuantityAndItsRange) {
 TEST_F(SimulateCommand, StopsWithinASecondOnInterruptAndLeavesNothing) {
   // timeout sends SIGINT after 1 s and SIGKILL, which would give 137, 1 s later
   const std::string line = "cd '" + folder_.path().string() +
-                           "' && timeout --signal=INT --kill-after=1 1 '" BOUNCELAB_PROGRAM
+                           "' && timeout --signal=INT --kill-after=1 1 '" + test::kProgram +
                            "' simulate --drops 1000000 --asperities 100000 --out a.csv 2>/dev/null >/dev/null";
   const int status = std::system(line.c_str());
   EXPECT_EQ(WEXITSTATUS(status), 124);  // timeout's own code: the program ended by itself after the signal

@@ -60,7 +60,7 @@ TEST_F(Synthesize, SameBytesForAnyNumberOfThreadsInOneFileAndInOneADrop) {
 TEST_F(Synthesize, CtrlCLeavesNoHalfFile) {
   write_drops("i.csv", 2000);  // 87 minutes at 1 MHz: not done in a second
   const std::string line = "cd '" + folder_.path().string() +
-                           "' && timeout --preserve-status -s INT 1 '" BOUNCELAB_PROGRAM
+                           "' && timeout --preserve-status -s INT 1 '" + test::kProgram +
                            "' synthesize i.csv --out r.w64 --rate 1000000 >/dev/null 2>&1 </dev/null";
   const int status = std::system(line.c_str());
   ASSERT_TRUE(WIFEXITED(status));

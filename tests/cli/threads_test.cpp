@@ -12,7 +12,7 @@ class Threads : public ProgramTest {
  protected:
   /// Most threads that the program was seen with.
   int most_threads(const std::string& arguments) const {
-    const std::string line = "cd '" + folder_.path().string() + "' && { '" BOUNCELAB_PROGRAM "' " + arguments +
+    const std::string line = "cd '" + folder_.path().string() + "' && { '" + test::kProgram + "' " + arguments +
                              " >/dev/null 2>err </dev/null & } && p=$! && most=0 && "
                              "while kill -0 $p 2>/dev/null; do set -- /proc/$p/task/*; "
                              "[ $# -gt $most ] && most=$#; sleep 0.001; done; wait $p && echo $most >most";

@@ -19,6 +19,7 @@
 #include "bouncelab/report/answer.hpp"
 #include "bouncelab/report/conclusions.hpp"
 #include "bouncelab/synthesis/synthesize.hpp"
+#include "support/places.hpp"
 
 namespace bouncelab {
 namespace {
@@ -114,11 +115,11 @@ std::string rewritten(const std::string& page) {
 }
 
 TEST(Formats, PageHasTheTablesOfTheDescriptions) {
-  std::ifstream file(BOUNCELAB_FORMATS);
+  std::ifstream file(test::kFormats);
   const std::string page{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
   const std::string wanted = rewritten(page);
   if (std::getenv("BOUNCELAB_WRITE_DOCS") != nullptr) {
-    std::ofstream(BOUNCELAB_FORMATS) << wanted;
+    std::ofstream(test::kFormats) << wanted;
     return;
   }
   EXPECT_EQ(page, wanted) << "docs/formats.md is out of date: BOUNCELAB_WRITE_DOCS=1 tools/test -R Formats writes it";

@@ -14,6 +14,7 @@
 #include "bouncelab/detection/detect.hpp"
 #include "hosted_plugin.hpp"
 #include "support/bouncing_sound.hpp"
+#include "support/places.hpp"
 #include "support/temporary_folder.hpp"
 
 namespace bouncelab::test {
@@ -32,7 +33,7 @@ class VampDescription : public testing::TestWithParam<const char*> {};
 
 TEST_P(VampDescription, TheFilesSayWhatThePluginSays) {
   const auto plugin = hosted(GetParam(), 48000.0F);
-  const std::filesystem::path folder = BOUNCELAB_VAMP_FOLDER;
+  const std::filesystem::path folder = test::kVampFolder;
   const std::string n3 = text_of(folder / "bouncelab.n3");
   EXPECT_THAT(text_of(folder / "bouncelab.cat"), HasSubstr("vamp:bouncelab:" + plugin->getIdentifier() + "::"));
   EXPECT_THAT(n3, HasSubstr("plugbase:" + plugin->getIdentifier() + " a vamp:Plugin"));
@@ -62,7 +63,7 @@ TEST_P(VampDescription, TheFilesSayWhatThePluginSays) {
 INSTANTIATE_TEST_SUITE_P(OfBoth, VampDescription, testing::Values("impacts", "restitution"));
 
 TEST(VampLibrary, ShowsItsEntryPointAndNothingElse) {
-  void* const library = dlopen(BOUNCELAB_VAMP_FOLDER "/bouncelab.so", RTLD_NOW | RTLD_LOCAL);
+  void* const library = dlopen((std::string(test::kVampFolder) + "/bouncelab.so").c_str(), RTLD_NOW | RTLD_LOCAL);
   ASSERT_NE(library, nullptr) << dlerror();
   EXPECT_NE(dlsym(library, "vampGetPluginDescriptor"), nullptr);
   EXPECT_EQ(dlsym(library, "_ZN9bouncelab10ball_kindsEv"), nullptr);  // it is inside
@@ -80,7 +81,7 @@ TEST(VampLibrary, SimpleHostPrintsTheImpacts) {
   writer.write(std::span<const float>(samples));
   writer.commit();
   const std::string command =
-      "VAMP_PATH='" BOUNCELAB_VAMP_FOLDER "' vamp-simple-host bouncelab:impacts '" + wav.string() + "' 2>/dev/null";
+      std::string("VAMP_PATH='") + test::kVampFolder + "' vamp-simple-host bouncelab:impacts '" + wav.string() + "' 2>/dev/null";
   std::FILE* const pipe = popen(command.c_str(), "r");
   ASSERT_NE(pipe, nullptr);
   std::string printed;

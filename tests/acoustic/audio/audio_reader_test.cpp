@@ -21,6 +21,7 @@
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/parallel.hpp"
 #include "io/sound_decoder.hpp"
+#include "support/places.hpp"
 #include "support/temporary_folder.hpp"
 
 namespace bouncelab::audio {
@@ -224,7 +225,7 @@ TEST_F(AudioReaderTest, NamesTheSampleThatIsNotFinite) {
 }
 
 /// A-law, whose chunks send libsndfile 1.2.0 round in a circle.
-const std::filesystem::path kEndless = std::filesystem::path(BOUNCELAB_TEST_INPUTS) / "endless_chunks.wav";
+const std::filesystem::path kEndless = std::filesystem::path(test::kInputs) / "endless_chunks.wav";
 
 TEST_F(AudioReaderTest, GivesUpAFileThatLibsndfileReadsForEverAndReadsTheOthers) {
   const auto x = ramp(30000);
