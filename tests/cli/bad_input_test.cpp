@@ -59,7 +59,7 @@ TEST_F(BadInput, TruncatedRecordingIsReadUpToThereWithAWarning) {
 }
 
 TEST_F(BadInput, OfManyRecordingsOneThatNeverEndsIsLostAndNoOther) {
-  fs::copy(fs::path(BOUNCELAB_TEST_INPUTS) / "endless_chunks.wav", folder_ / "endless.wav");
+  fs::copy(fs::path(test::kInputs) / "endless_chunks.wav", folder_ / "endless.wav");
   expect_refused("detect endless.wav --out o.csv", 3, {"endless.wav", "processor time", "ffmpeg"});
   write("a.wav", float_wav(bouncing(12), 44100));
   write("b.wav", float_wav(bouncing(11), 44100));

@@ -136,7 +136,7 @@ TEST_F(Files, TheSumOfARecordingIsThatOfItsFileWhateverWasReadOfIt) {
   bytes += "LIST";
   put<std::uint32_t>(bytes, 100000);
   write("long.wav", bytes + std::string(100000, 'x'));
-  fs::copy_file(fs::path(BOUNCELAB_SAMPLES) / "clean.flac", folder_ / "coded.flac");
+  fs::copy_file(fs::path(test::kSamples) / "clean.flac", folder_ / "coded.flac");
   std::vector<std::string> names{"short.wav", "long.wav", "coded.flac"};
   // sums of files that were written to a moment ago are not kept
   for (const std::string& name : names)

@@ -54,7 +54,7 @@ std::string Json::dump() const { return value_of(value_).dump(); }
 
 Result ProgramTest::shell(const std::string& script) const {
   const fs::path out = folder_.path().string() + ".out", err = folder_.path().string() + ".err";
-  const std::string line = "cd '" + folder_.path().string() + "' && B='" BOUNCELAB_PROGRAM "' && { " + script +
+  const std::string line = "cd '" + folder_.path().string() + "' && B='" + test::kProgram + "' && { " + script +
                            "\n} >'" + out.string() + "' 2>'" + err.string() + "' </dev/null";
   const int status = std::system(line.c_str());
   Result result{WIFEXITED(status) ? WEXITSTATUS(status) : -1, content_of(out), content_of(err)};

@@ -12,6 +12,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "support/places.hpp"
 #include "support/temporary_folder.hpp"
 
 namespace bouncelab::cli_test {

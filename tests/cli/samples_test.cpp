@@ -16,9 +16,9 @@ TEST_F(Samples, ImpactsAreFoundAmongKnocksAndClicksTooAndNoneInvented) {
   };
   for (const std::string name : {"clean", "hard"}) {
     SCOPED_TRACE(name);
-    ASSERT_EQ(run("detect '" BOUNCELAB_SAMPLES "/" + name + ".flac' --out o.csv --force").exit_code, 0);
+    ASSERT_EQ(run(std::string("detect '") + test::kSamples + "/" + name + ".flac' --out o.csv --force").exit_code, 0);
     const detection::OnsetScore score =
-        detection::score_onsets(read(fs::path(BOUNCELAB_SAMPLES) / (name + ".truth.csv")), read(folder_ / "o.csv"));
+        detection::score_onsets(read(fs::path(test::kSamples) / (name + ".truth.csv")), read(folder_ / "o.csv"));
     const std::size_t n_most = name == "clean" ? 0 : 1;  // of 80 impacts, at .99
     EXPECT_LE(score.n_missed, n_most);
     EXPECT_LE(score.n_invented, n_most);

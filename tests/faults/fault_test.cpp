@@ -12,6 +12,7 @@
 #include <thread>
 #include <utility>
 
+#include "support/places.hpp"
 #include "support/sanitizers.hpp"
 
 namespace bouncelab::fault_test {
@@ -117,7 +118,7 @@ Undisturbed FaultTest::undisturbed(const Job& job, const std::vector<int>& n_thr
 }
 
 Ending FaultTest::disturb(const Job& job, int n_threads, int signal, double after_s, const std::string& more) const {
-  const std::string line = "cd '" + folder_.path().string() + "' && exec '" BOUNCELAB_PROGRAM "' " + job.arguments +
+  const std::string line = "cd '" + folder_.path().string() + "' && exec '" + test::kProgram + "' " + job.arguments +
                            " --quiet --threads " + std::to_string(n_threads) + " " + more +
                            " </dev/null >/dev/null 2>&1";
   const pid_t child = ::fork();

@@ -13,16 +13,18 @@
 #include <string>
 #include <vector>
 
+#include "support/places.hpp"
+
 namespace bouncelab::test {
 
 using Features = Vamp::Plugin::FeatureSet;
 
 /// Loads vamp:bouncelab:NAME, without the loader's adapters.
 inline std::unique_ptr<Vamp::Plugin> hosted(const std::string& name, float rate_hz) {
-  setenv("VAMP_PATH", BOUNCELAB_VAMP_FOLDER, 1);
+  setenv("VAMP_PATH", test::kVampFolder, 1);
   std::unique_ptr<Vamp::Plugin> plugin(
       Vamp::HostExt::PluginLoader::getInstance()->loadPlugin("bouncelab:" + name, rate_hz, 0));
-  if (!plugin) throw std::runtime_error("the plugin was not loaded from " BOUNCELAB_VAMP_FOLDER);
+  if (!plugin) throw std::runtime_error(std::string("the plugin was not loaded from ") + test::kVampFolder);
   return plugin;
 }
 

@@ -6,9 +6,12 @@
 
 #include <filesystem>
 #include <fstream>
+#include <iomanip>
 #include <iterator>
+#include <sstream>
 
 #include "hosted_plugin.hpp"
+#include "support/places.hpp"
 
 namespace bouncelab::test {
 namespace {
@@ -26,7 +29,7 @@ class VampDescription : public testing::TestWithParam<const char*> {};
 
 TEST_P(VampDescription, TheFilesSayWhatThePluginSays) {
   const auto plugin = hosted(GetParam(), 48000.0F);
-  const std::filesystem::path folder = BOUNCELAB_VAMP_FOLDER;
+  const std::filesystem::path folder = test::kVampFolder;
   const std::string n3 = text_of(folder / "bouncelab.n3");
   EXPECT_THAT(text_of(folder / "bouncelab.cat"), HasSubstr("vamp:bouncelab:" + plugin->getIdentifier() + "::"));
   EXPECT_THAT(n3, HasSubstr("plugbase:" + plugin->getIdentifier() + " a vamp:Plugin"));
@@ -43,6 +46,10 @@ TEST_P(VampDescription, TheFilesSayWhatThePluginSays) {
   }
   for (const auto& parameter : plugin->getParameterDescriptors()) {
     EXPECT_THAT(n3, HasSubstr("plugbase:" + plugin->getIdentifier() + "_param_" + parameter.identifier + " a "));
+    std::ostringstream range;
+    range << "vamp:min_value       " << parameter.minValue << " ;\n    vamp:max_value       " << std::setprecision(9)
+          << parameter.maxValue << " ;";
+    EXPECT_THAT(n3, HasSubstr(range.str()));
     std::string names;
     for (const std::string& name : parameter.valueNames) names += (names.empty() ? "" : " ") + quoted(name);
     EXPECT_THAT(n3, HasSubstr(names));
@@ -52,7 +59,7 @@ TEST_P(VampDescription, TheFilesSayWhatThePluginSays) {
 INSTANTIATE_TEST_SUITE_P(OfBoth, VampDescription, testing::Values("impacts", "restitution"));
 
 TEST(VampLibrary, ShowsItsEntryPointAndNothingElse) {
-  void* const library = dlopen(BOUNCELAB_VAMP_FOLDER "/bouncelab.so", RTLD_NOW | RTLD_LOCAL);
+  void* const library = dlopen((std::string(test::kVampFolder) + "/bouncelab.so").c_str(), RTLD_NOW | RTLD_LOCAL);
   ASSERT_NE(library, nullptr) << dlerror();
   EXPECT_NE(dlsym(library, "vampGetPluginDescriptor"), nullptr);
   EXPECT_EQ(dlsym(library, "_ZN9bouncelab10ball_kindsEv"), nullptr);  // it is inside

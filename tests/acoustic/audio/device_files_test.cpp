@@ -15,6 +15,7 @@
 #include "bouncelab/core/child_process.hpp"
 #include "bouncelab/core/parallel.hpp"
 #include "support/bouncing_sound.hpp"
+#include "support/places.hpp"
 #include "support/temporary_folder.hpp"
 
 namespace bouncelab::audio {
@@ -67,7 +68,7 @@ TEST(DeviceFiles, HoldTheSamplesOfTheirUntaggedTwins) {
   writer.commit();
   const ProgramResult made = run_program(
       *python,
-      {BOUNCELAB_TEST_SUPPORT "/device_files.py", (folder / "sound.wav").string(), (folder / "files").string()},
+      {std::string(test::kSupport) + "/device_files.py", (folder / "sound.wav").string(), (folder / "files").string()},
       "device_files.py", -1, {}, 1 << 20);
   ASSERT_TRUE(made.ended_well) << made.complaints;
   std::vector<std::filesystem::path> files, twins;
