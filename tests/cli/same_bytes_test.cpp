@@ -38,6 +38,7 @@ const std::vector<Stage> kStages{
     {"synthesize impacts.csv --rate 24000 --out sound.wav --truth truth.csv", "sound.wav", {}},
     {"", "truth.csv", {{"t_s", 80, 677.6191616191272}, {"sigma_t_s", 80, 6.3460035458311176e-06}}},
     {"synthesize other.csv --rate 24000 --hard rough --out hard.wav", "hard.wav", {}},
+    {"synthesize other.csv --rate 24000 --each-drop --out each.flac", "each.0001.flac", {}},
     // as many modes as ring by a transform
     {"synthesize other.csv --rate 96000 --out fine.wav", "fine.wav", {}},
     {"detect sound.wav --out onsets.csv", "onsets.csv", {{"t_s", 80, 677.61203650846107}}},

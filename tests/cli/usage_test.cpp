@@ -26,11 +26,11 @@ TEST(Help, OfEveryCommandIsLegibleAndHasAnExample) {
 
 TEST_F(Usage, HelpHasChoicesRangesDefaultsAndColumns) {
   const std::string simulate = run("simulate --help").out, synthesize = run("help synthesize").out;
-  for (const char* part : {"--contact {paper,frictionless,coulomb,stronge}",
-                           "Gravity [m/s^2] (0.001 to 1000; default 9.81)", "--out FILE", "Columns of the impacts:",
-                           "\n  v_contact_mps ", "Normal approach speed of the point of contact", "\n  x_m, y_m, z_m "})
+  for (const char* part :
+       {"--contact {paper,frictionless,coulomb,stronge}", "Gravity [m/s^2] (0.001 to 1000; default 9.81)", "--out FILE",
+        "Columns of the impacts:", "\n  v_contact_mps ", "Normal approach speed of the point of contact", "\n  x_m"})
     EXPECT_THAT(simulate, testing::HasSubstr(part));
-  for (const char* part : {"Columns of the truth, a row for each impact:", "\n  recording ", "\n  sigma_t_s ",
+  for (const char* part : {"Columns of the truth, a row for each impact", "`recording`", "\n  sigma_t_s ",
                            "Cramér-Rao bound", "\n  travel_time_s "})
     EXPECT_THAT(synthesize, testing::HasSubstr(part));
   const Result nothing = run("");
