@@ -122,20 +122,6 @@ TEST_F(Analyze, SaysTheAnswerThenOneDoubtAtMostThenWhereTheReportIs) {
   EXPECT_THAT(content("drop-bouncelab/summary.json"), testing::HasSubstr("61.1 m contradicts"));
 }
 
-TEST_F(Analyze, OfThreeClipsTogetherARowForEachAndOneAnswerIfTheyAgreeOrAreAskedTo) {
-  write("a.wav", float_wav(bouncing(20, 0.9), 44100));
-  write("b.wav", float_wav(bouncing(19, 0.9), 44100));
-  write("c.wav", float_wav(bouncing(20, 0.8), 44100));
-  const Result unlike = run("analyze a.wav b.wav c.wav --out o");
-  EXPECT_THAT(unlike.out, testing::StartsWith("The 3 recordings differ by more than chance"));
-  for (const char* row : {"\n  a.wav: ε = 0.9", "\n  b.wav: ε = 0.9", "\n  c.wav: ε = 0.8"})
-    EXPECT_THAT(unlike.out, testing::HasSubstr(row));
-  const Result pooled = run("analyze a.wav b.wav c.wav --out o --pool");
-  EXPECT_THAT(pooled.out, testing::StartsWith("ε = "));
-  EXPECT_THAT(pooled.out, testing::HasSubstr("\nThe 3 recordings do not agree"));
-  EXPECT_THAT(pooled.out, testing::HasSubstr("\nEach recording alone:\n  a.wav: "));
-}
-
 TEST_F(Analyze, DiagnosticsShowEachDropFromTheInside) {
   write("drop.wav", float_wav(bouncing(20), 44100));
   ASSERT_EQ(run("analyze drop.wav --out out --diagnostics").exit_code, 0);

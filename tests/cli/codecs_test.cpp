@@ -148,16 +148,6 @@ TEST_F(Codecs, WhatNoCodecCanDoIsRefusedInOneLine) {
                         {"needs ffmpeg", "apt install ffmpeg"});
 }
 
-TEST_F(Codecs, SpeechCodecAt8KilohertzGivesTheSameImpactsWithinItsErrors) {
-  // without the sound above 4 kHz, by a model of speech: a sample of 125 us may be added
-  if (!encode("-ar 8000 -ac 1 -c:a libopencore_amrnb -b:a 12.2k", "a.amr"))
-    GTEST_SKIP() << "this ffmpeg has no encoder of AMR";
-  const std::vector<Impact> found = impacts_in("a.amr");
-  ASSERT_EQ(found.size(), original_.size());
-  EXPECT_LE(largest_pull(found, 125e-6), 5.0);
-  EXPECT_EQ(summary_["lossy_coding"], "AMR-NB");
-}
-
 TEST_F(Codecs, StreamsWithoutALengthAreReadFromFilesAndPipes) {
   for (const std::string format : {"wav", "flac", "w64", "aiff"}) {
     const Result result = shell("ffmpeg -nostdin -v error -i s.wav -f " + format +

@@ -128,15 +128,9 @@ TEST_F(FitCommand, FilesOfTheSameNameOrWithTheSameDropAreRecordingsOfTheirOwn) {
   run("fit x/s.csv y/s.csv --out f.json --quiet --goodness-replicates 0");
   EXPECT_EQ(found()["recordings"][0]["recording"], "x/s.csv");
   EXPECT_EQ(found()["recordings"][1]["recording"], "y/s.csv");
-  const auto named = [](std::string rows) {
-    std::string text;
-    std::istringstream lines(rows);
-    for (std::string line; std::getline(lines, line);)
-      text += (text.empty() ? "recording," : "drop.wav,") + line + "\n";
-    return text;
-  };
-  write("x/s.csv", named(table(95, 0.2, 1.4)));
-  write("y/s.csv", named(table(96, 0.2, 1.4)));
+  const std::string few = "recording,drop,v_mps,eps\ndrop.wav,0,1,0.9\ndrop.wav,0,0.9,0.9\ndrop.wav,0,0.8,";
+  write("x/s.csv", few + "0.91\n");
+  write("y/s.csv", few + "0.92\n");
   const Result result = run("fit x/s.csv y/s.csv --out f.json --force --goodness-replicates 0");
   EXPECT_THAT(result.err, testing::HasSubstr("drop.wav: several files have the same drop of this recording"));
   EXPECT_EQ(found()["recordings"][1]["recording"], "drop.wav (y/s.csv)");

@@ -40,12 +40,6 @@ TEST_F(Names, WithLineBreaksQuotesAndEscapeSequencesGoThroughEveryTable) {
     expect_whole_way(name, "./" + name);
 }
 
-TEST_F(Names, ThatASpreadsheetTakesForFormulasAreWrittenWithTheirFolder) {
-  write("=1+1.wav", float_wav(bouncing(12), 44100));
-  ASSERT_EQ(run("detect =1+1.wav --out o.csv").exit_code, 0);
-  EXPECT_THAT(content("o.csv"), testing::HasSubstr("\n./=1+1.wav,0,0,"));
-}
-
 TEST_F(Names, ReachTheTerminalEscapedAndCut) {
   const Result absent =
       run("detect " + quoted("no\x1b[2J\nsuch\xFF" + std::string(3000, 'x') + ".wav") + " --out o.csv");

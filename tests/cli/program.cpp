@@ -27,21 +27,14 @@ std::string content_of(const fs::path& path) {
 
 Json::Json(const std::string& text) : value_(std::make_shared<const Value>(Value::parse(text))) {}
 Json Json::operator[](std::size_t k) const {
-  Json part;
-  part.value_ = std::shared_ptr<const void>(value_, &value_of(value_).at(k));
-  return part;
+  return Json(std::shared_ptr<const void>(value_, &value_of(value_).at(k)));
 }
 Json Json::operator[](const std::string& name) const {
-  Json part;
-  part.value_ = std::shared_ptr<const void>(value_, &value_of(value_).at(name));
-  return part;
+  return Json(std::shared_ptr<const void>(value_, &value_of(value_).at(name)));
 }
 std::vector<Json> Json::elements() const {
   std::vector<Json> all;
-  for (const Value& element : value_of(value_)) {
-    all.emplace_back();
-    all.back().value_ = std::shared_ptr<const void>(value_, &element);
-  }
+  for (std::size_t k = 0; k < size(); ++k) all.push_back((*this)[k]);
   return all;
 }
 bool Json::contains(const std::string& name) const { return value_of(value_).contains(name); }

@@ -10,6 +10,7 @@
 #include <ostream>
 #include <string>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "support/places.hpp"
@@ -58,6 +59,7 @@ class Json {
   friend std::ostream& operator<<(std::ostream& out, const Json& json) { return out << json.dump(); }
 
  private:
+  explicit Json(std::shared_ptr<const void> value) : value_(std::move(value)) {}
   std::shared_ptr<const void> value_;
 };
 

@@ -33,26 +33,16 @@ TEST_F(Synthesize, ManyDropsWithTheRobotsCycleInOneRecordingAndTheTruthBeside) {
   EXPECT_NEAR(static_cast<double>(fs::file_size(folder_ / "r.wav")), (0.5 + 200 * 2.3) * 8000 * 3, 1000);
 }
 
-TEST_F(Synthesize, TheRoomOfAMicrophoneIsChosen) {
-  write_drops("i.csv", 1);
-  const auto bytes_with = [&](const std::string& options) {
-    const Result result = run("synthesize i.csv --out r.wav --rate 16000 --force --quiet " + options);
-    EXPECT_EQ(result.exit_code, 0) << options << ": " << result.err;
-    return content("r.wav");
-  };
-  const std::string preset = bytes_with("--sensor microphone");
-  EXPECT_EQ(bytes_with("--sensor microphone --reverberation -15 --reverberation-time 0.25"), preset);
-  EXPECT_EQ(bytes_with("--hard microphone --reverberation -15"), preset);
-  EXPECT_NE(bytes_with("--sensor microphone --reverberation 0"), preset);
-  EXPECT_NE(bytes_with("--sensor microphone --reverberation-time 1"), preset);
-  expect_refused("synthesize i.csv --out p.wav --reverberation 0", 2, {"--reverberation:", "--sensor microphone"});
-  expect_refused("synthesize i.csv --out p.wav --reverberation-time 1", 2,
-                 {"--reverberation-time:", "--sensor microphone"});
-}
-
 TEST_F(Synthesize, BadInputIsRefusedByValue) {
   write_drops("i.csv", 1);
   expect_refused("synthesize i.csv --out r.flac --rate 1000000", 2, {"FLAC", "1000000"});
+  for (const std::string option : {"--reverberation", "--reverberation-time"}) {
+    expect_refused("synthesize i.csv --out p.wav " + option + " 1", 2, {option + ":", "--sensor microphone"});
+    EXPECT_EQ(
+        run("synthesize i.csv --out " + option + ".wav --sensor microphone --rate 16000 " + option + " 1").exit_code,
+        0);
+  }
+  EXPECT_NE(content("--reverberation.wav"), content("--reverberation-time.wav"));
   expect_refused("synthesize i.csv --out r.mp3", 2, {".mp3", ".wav"});
   expect_refused("synthesize i.csv --out r.wav --together 2 --each-drop", 2, {"together", "2"});
   expect_refused("synthesize i.csv --out r.wav --robot", 2, {"pause_s", "1"});
