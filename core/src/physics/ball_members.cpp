@@ -44,7 +44,6 @@ Description members_of(const Ball*) {
 }
 
 Description members_of(const Material*) {
-  using M = Material;
   static constexpr Member all[]{member<plate_text>("name", "Its shortest description"),
                                 member<numbers_of>("", "Its numbers")};
   return all;

@@ -66,6 +66,14 @@ struct Member {
   Value get(const void* object) const { return read(place(object)); }
   void set(void* object, const Value& value) const { write(const_cast<void*>(place(object)), value); }
 
+  /// The same member but for one thing.
+  template <class T>
+  constexpr Member with(T Member::*what, std::type_identity_t<T> value) const {
+    Member changed = *this;
+    changed.*what = value;
+    return changed;
+  }
+
   constexpr Member within(double lo, double hi) const { return with(&Member::least, lo).with(&Member::greatest, hi); }
   /// @param words  with commas between them
   constexpr Member one_of(std::string_view words) const { return with(&Member::choices, words); }
@@ -82,14 +90,6 @@ struct Member {
   constexpr Member left_out_where_unknown() const { return with(&Member::is_left_out, true); }
   /// Of a member that is computed: how a text sets it.
   constexpr Member set_by(void (*sets)(void* object, const Value& text)) const { return with(&Member::write, sets); }
-
- private:
-  template <class T>
-  constexpr Member with(T Member::*what, std::type_identity_t<T> value) const {
-    Member changed = *this;
-    changed.*what = value;
-    return changed;
-  }
 };
 
 /// All members of a struct, in the order in which they are shown.
