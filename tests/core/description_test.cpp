@@ -32,9 +32,12 @@ Description members_of(const Whole*) {
       member<&Whole::nodes>("nodes", "Nodes").within(0.0, 1.0),
       member<&Whole::start_m>("start_m", "Start").with_commas("X,Y", 2, 2).within(-9.0, 9.0),
       member<&Whole::drag>("drag", "Air"),
-      member<&Whole::kind>("kind", "Form").one_of("round,flat").set_by([](void* whole, const Value& word) {
-        static_cast<Whole*>(whole)->kind = std::get<std::string>(word) == "round" ? Kind::round : Kind::flat;
-      })};
+      computed(
+          "kind", [](const Whole& w) { return w.kind; }, "Form")
+          .one_of("round,flat")
+          .set_by([](void* whole, const Value& word) {
+            static_cast<Whole*>(whole)->kind = std::get<std::string>(word) == "round" ? Kind::round : Kind::flat;
+          })};
   return whole;
 }
 
