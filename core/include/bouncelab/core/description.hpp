@@ -80,7 +80,7 @@ struct Member {
   constexpr Member looks_like(std::string_view how) const { return with(&Member::form, how); }
   /// A list of `lo` to `hi` numbers with commas between them; others may be given several times.
   constexpr Member with_commas(std::string_view how, std::size_t lo, std::size_t hi) const {
-    return with(&Member::form, how).with(&Member::n_least, lo).with(&Member::n_most, hi);
+    return looks_like(how).with(&Member::n_least, lo).with(&Member::n_most, hi);
   }
   constexpr Member checked_by(void (*accepts)(const std::string&)) const { return with(&Member::check, accepts); }
   constexpr Member unknown_as(std::string_view what) const { return with(&Member::unknown_text, what); }
