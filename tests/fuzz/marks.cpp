@@ -39,6 +39,7 @@ void check_onsets(const audio::Annotations& marks) {
 
 void check_round_trip(const audio::Annotations& marks, double tolerance_s,
                       const std::function<audio::Annotations(const audio::Annotations&)>& write_and_read) {
+  if (marks.points.empty()) return;  // no command writes a file without marks, and an empty one is refused
   audio::Annotations again;
   must_accept("marks that were written can be read", [&] { again = write_and_read(marks); });
   require(again.points.size() == marks.points.size(), "as many marks are read as were written");
