@@ -5,82 +5,90 @@ namespace bouncelab::fit {
 namespace {
 
 /// Which fit is the main one, and whether the fit with memory stands beside it: one choice for the user.
-Member method_member() {
-  struct Method {
-    const char* name;
-    LawMethod law;
-    UseMemory memory;
-  };
-  static const std::vector<Method> methods{{"auto", LawMethod::asymmetric_laplace, UseMemory::where_long},
-                                           {"asymmetric-laplace", LawMethod::asymmetric_laplace, UseMemory::never},
-                                           {"least-squares", LawMethod::least_squares, UseMemory::never},
-                                           {"least-absolute", LawMethod::least_absolute, UseMemory::never},
-                                           {"memory", LawMethod::asymmetric_laplace, UseMemory::always}};
-  Member member;
-  member.name = "method";
-  member.text =
-      "asymmetric-laplace (eps(v) is the peak), least-squares (the mean), least-absolute (the median) or memory: "
-      "asymmetric-laplace, and beside it the likelihood of each impact given the drop's earlier ones; auto: memory "
-      "from "
-      "5 drops of 30 impacts on average on";
-  for (const Method& method : methods) member.choices.emplace_back(method.name);
-  member.get = [](const void* object) -> Value {
-    const auto& config = *static_cast<const FitConfig*>(object);
-    for (const Method& method : methods)
-      if (method.law == config.law.method && method.memory == config.memory) return std::string(method.name);
-    return {};
-  };
-  member.set = [](void* object, const Value& value) {
-    auto& config = *static_cast<FitConfig*>(object);
-    for (const Method& method : methods) {
-      if (method.name != std::get<std::string>(value)) continue;
-      config.law.method = method.law;
-      config.memory = method.memory;
-    }
-  };
-  return member;
+struct Method {
+  const char* name;
+  LawMethod law;
+  UseMemory memory;
+};
+constexpr Method kMethods[]{{"auto", LawMethod::asymmetric_laplace, UseMemory::where_long},
+                            {"asymmetric-laplace", LawMethod::asymmetric_laplace, UseMemory::never},
+                            {"least-squares", LawMethod::least_squares, UseMemory::never},
+                            {"least-absolute", LawMethod::least_absolute, UseMemory::never},
+                            {"memory", LawMethod::asymmetric_laplace, UseMemory::always}};
+
+const char* method_of(const FitConfig& config) {
+  for (const Method& method : kMethods)
+    if (method.law == config.law.method && method.memory == config.memory) return method.name;
+  return "";
+}
+void set_method(void* config, const Value& name) {
+  for (const Method& method : kMethods) {
+    if (method.name != std::get<std::string>(name)) continue;
+    static_cast<FitConfig*>(config)->law.method = method.law;
+    static_cast<FitConfig*>(config)->memory = method.memory;
+  }
+}
+void set_law_kind(void* config, const Value& name) {
+  for (const LawKind kind : {LawKind::series, LawKind::viscoelastic, LawKind::constant})
+    if (to_string(kind) == std::get<std::string>(name)) static_cast<FitConfig*>(config)->law.kind = kind;
 }
 
 }  // namespace
 
-const Description& members_of(const FitConfig*) {
+Description members_of(const FitConfig*) {
   using C = FitConfig;
-  static const Description options{
-      member<C>(
-          "nodes", [](auto& c) -> auto& { return c.law.node_speeds_mps; },
-          "Speeds at which eps(v) is reported [m/s]; default: below which 10, 50 and 90 % of the samples lie")
+  static constexpr Member options[]{
+      member<&C::law, &LawFitConfig::node_speeds_mps>(
+          "nodes", "Speeds at which eps(v) is reported [m/s]; default: below which 10, 50 and 90 % of the samples lie")
           .within(1e-6, 1e3),
-      member<C>(
-          "orders", [](auto& c) -> auto& { return c.law.orders; }, "Orders i of the series 1 + sum C_i A_i v^(i/10)")
-          .within(2, 10),
-      choice<C, LawKind>(
-          "law_kind", [](auto& c) -> auto& { return c.law.kind; },
-          {{"series", LawKind::series}, {"viscoelastic", LawKind::viscoelastic}, {"constant", LawKind::constant}},
-          "Form of the law"),
-      method_member(),
-      member<C>(
-          "bootstrap", [](auto& c) -> auto& { return c.law.n_bootstrap; },
-          "Replicates of the bootstrap by drop, 0 = none")
+      member<&C::law, &LawFitConfig::orders>("orders", "Orders i of the series 1 + sum C_i A_i v^(i/10)").within(2, 10),
+      computed(
+          "law_kind", [](const C& c) { return c.law.kind; }, "Form of the law")
+          .one_of("series,viscoelastic,constant")
+          .set_by(set_law_kind),
+      member<method_of>(
+          "method",
+          "asymmetric-laplace (eps(v) is the peak), least-squares (the mean), least-absolute (the median) or memory: "
+          "asymmetric-laplace, and beside it the likelihood of each impact given the drop's earlier ones; auto: memory "
+          "from 5 drops of 30 impacts on average on")
+          .one_of("auto,asymmetric-laplace,least-squares,least-absolute,memory")
+          .set_by(set_method),
+      member<&C::law, &LawFitConfig::n_bootstrap>("bootstrap", "Replicates of the bootstrap by drop, 0 = none")
           .within(0, 1e5),
-      member("goodness_replicates", &C::n_goodness, "Replicates of the Anderson-Darling test, 0 = none").within(0, 1e5),
-      member("pool", &C::pool, "One answer for all recordings and drops, also where they do not agree"),
-      member("hand_off_speed", &C::dem_speed_mps,
-             "Speed of the constant eps for DEM codes [m/s]; default the middle node")
+      member<&C::n_goodness>("goodness_replicates", "Replicates of the Anderson-Darling test, 0 = none").within(0, 1e5),
+      member<&C::pool>("pool", "One answer for all recordings and drops, also where they do not agree"),
+      member<&C::dem_speed_mps>("hand_off_speed",
+                                "Speed of the constant eps for DEM codes [m/s]; default the middle node")
           .within(1e-6, 1e3),
-      member<C>(
-          "windows", [](auto& c) -> auto& { return c.histograms.centres_mps; },
-          "Centres of the histograms' windows of speed [m/s]")
+      member<&C::histograms, &HistogramConfig::centres_mps>("windows",
+                                                            "Centres of the histograms' windows of speed [m/s]")
           .within(1e-6, 1e3),
-      member<C>(
-          "window_width", [](auto& c) -> auto& { return c.histograms.width_mps; },
-          "Width of the histograms' windows [m/s]; 0: chosen by the number of samples")
+      member<&C::histograms, &HistogramConfig::width_mps>(
+          "window_width", "Width of the histograms' windows [m/s]; 0: chosen by the number of samples")
           .within(0.0, 1e3)};
   return options;
 }
 
-const Description& members_of(const RoughnessConfig*) {
-  static const Description options{
-      member("goodness_replicates", &RoughnessConfig::n_goodness, "Replicates of the Anderson-Darling test, 0 = none")
+Description members_of(const RestitutionConfig*) {
+  using C = RestitutionConfig;
+  static constexpr Member options[]{
+      member<&C::gravity_mps2>("gravity", "Gravity [m/s^2]").within(1e-3, 1e3),
+      member<&C::air_kgpm3>("air", "Density of the air [kg/m^3]; 0 = none, and contacts take no time: for simulations")
+          .within(0.0, 1e3),
+      member<&C::drop_height_m>(
+          "drop_height",
+          "Height of the ball's lowest point at release [m], 0 = not known; the first impact counts then")
+          .within(0.0, 1e3)
+          .unknown_as("0"),
+      member<&C::wave_speed_mps>("wave_speed",
+                                 "Speed of the sound from impact to sensor [m/s]: some 2500 in a plate, 343 in air")
+          .within(1.0, 2e4)};
+  return options;
+}
+
+Description members_of(const RoughnessConfig*) {
+  static constexpr Member options[]{
+      member<&RoughnessConfig::n_goodness>("goodness_replicates", "Replicates of the Anderson-Darling test, 0 = none")
           .within(0, 1e5)};
   return options;
 }

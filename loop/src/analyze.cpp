@@ -89,36 +89,36 @@ Analysis analyze_found(std::vector<detection::RecordingDetection> recordings, co
   return analysis;
 }
 
-const Description& members_of(const DropDetails*) {
+Description members_of(const DropDetails*) {
   using D = DropDetails;
-  static const Description all{
-      result<D>(
+  static constexpr Member all[]{
+      computed(
           "", [](const D& d) { return std::get<Object>(value_of(d.preview)); }, "As wave.json"),
-      result<D>(
+      computed(
           "intervals", [](const D& d) { return as_lists(d.intervals); },
           "Lists `impact`, `found_s`, `expected_s`, `sigma_s`")};
   return all;
 }
 
-const Description& members_of(const RecordingDetails*) {
+Description members_of(const RecordingDetails*) {
   using R = RecordingDetails;
-  static const Description all{
-      result<R>(
+  static constexpr Member all[]{
+      computed(
           "recording", [](const R& r) { return input_name(r.recording); }, "As it was given"),
-      result("n_drops", &R::n_drops, "In the recording; not all need be in `drops`"),
-      result("drops", &R::drops, "Each as wave.json, and `intervals`"),
-      result("wave", &R::wave, "Learned template: `t0_s`, `dt_s`, `mean`, `spread`, `n_impacts`")
+      member<&R::n_drops>("n_drops", "In the recording; not all need be in `drops`"),
+      member<&R::drops>("drops", "Each as wave.json, and `intervals`"),
+      member<&R::wave>("wave", "Learned template: `t0_s`, `dt_s`, `mean`, `spread`, `n_impacts`")
           .left_out_where_unknown(),
-      result("noise", &R::noise, "`frequency_hz`, `psd` in 1/Hz").left_out_where_unknown()};
+      member<&R::noise>("noise", "`frequency_hz`, `psd` in 1/Hz").left_out_where_unknown()};
   return all;
 }
 
-const Description& members_of(const Analysis*) {
+Description members_of(const Analysis*) {
   using A = Analysis;
-  static const Description all{
-      result<A>(
+  static constexpr Member all[]{
+      computed(
           "", [](const A& a) { return std::get<Object>(value_of(a.restitution.counts)); }, "What was counted"),
-      result("recordings", &A::recordings, "As `detect --json`")};
+      member<&A::recordings>("recordings", "As `detect --json`")};
   return all;
 }
 

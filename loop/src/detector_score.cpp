@@ -298,45 +298,59 @@ DetectorScore pooled(const std::vector<DetectorScore>& scores) {
   return all;
 }
 
-const Description& members_of(const DetectorScore*) {
+namespace {
+
+template <std::size_t Tolerance, auto Measure>
+constexpr Member agreement(std::string_view name, std::string_view text) {
+  return computed(
+      name, [](const DetectorScore& s) { return std::invoke(Measure, s.agreement[Tolerance]); }, text);
+}
+
+}  // namespace
+
+Description members_of(const DetectorScore*) {
   using S = DetectorScore;
-  const auto agreement = [](std::size_t k) { return [k](const S& s) -> const Agreement& { return s.agreement[k]; }; };
-  static const Description members = [&] {
-    Description all{result("n_recordings", &S::n_recordings, ""),
-                    result<S>(
-                        "n_true", [](const S& s) { return s.agreement[0].n_true; }, "True impacts"),
-                    result<S>(
-                        "n_marked", [](const S& s) { return s.agreement[0].n_marked; }, "Marks")};
-    const char* const names[] = {"50ms", "5ms", "1ms", "0.1ms"};
-    for (std::size_t k = 0; k < kTolerances_s.size(); ++k) {
-      const auto of = agreement(k);
-      const std::string name = names[k];
-      all.push_back(result<S>(
-          "precision_" + name, [of](const S& s) { return of(s).precision(); }, ""));
-      all.push_back(result<S>(
-          "recall_" + name, [of](const S& s) { return of(s).recall(); }, ""));
-      all.push_back(result<S>(
-          "f_" + name, [of](const S& s) { return of(s).f_measure(); }, ""));
-    }
-    const Description more{result("offset_s", &S::offset_s, ""),
-                           result("jitter_s", &S::jitter_s, ""),
-                           result("typical_s", &S::typical_s, ""),
-                           result("within_law_s", &S::within_law_s, ""),
-                           result("within_drops_s", &S::within_drops_s, ""),
-                           result("bound_s", &S::bound_s, ""),
-                           result("bound_ratio", &S::bound_ratio, ""),
-                           result("bound_ratio_within_drops", &S::bound_ratio_within_drops, ""),
-                           result("eps_error", &S::eps_error, ""),
-                           result("n_stated", &S::n_stated, ""),
-                           result("pull", &S::pull, ""),
-                           result("coverage", &S::coverage, ""),
-                           result("log_score", &S::log_score, ""),
-                           result("invented_per_hour", &S::invented_per_hour, ""),
-                           result("times_real_time", &S::times_real_time, "")};
-    all.insert(all.end(), more.begin(), more.end());
-    return all;
-  }();
-  return members;
+  static constexpr Member all[]{
+      member<&S::n_recordings>("n_recordings", "Recordings"),
+      computed(
+          "n_true", [](const S& s) { return s.agreement[0].n_true; }, "True impacts"),
+      computed(
+          "n_marked", [](const S& s) { return s.agreement[0].n_marked; }, "Marks"),
+      agreement<0, &Agreement::precision>("precision_50ms",
+                                          "Share of the marks that lie within 50 ms of an impact of their own"),
+      agreement<0, &Agreement::recall>("recall_50ms", "Share of the impacts that have such a mark"),
+      agreement<0, &Agreement::f_measure>("f_50ms", "Harmonic mean of both"),
+      agreement<1, &Agreement::precision>("precision_5ms",
+                                          "Share of the marks that lie within 5 ms of an impact of their own"),
+      agreement<1, &Agreement::recall>("recall_5ms", "Share of the impacts that have such a mark"),
+      agreement<1, &Agreement::f_measure>("f_5ms", "Harmonic mean of both"),
+      agreement<2, &Agreement::precision>("precision_1ms",
+                                          "Share of the marks that lie within 1 ms of an impact of their own"),
+      agreement<2, &Agreement::recall>("recall_1ms", "Share of the impacts that have such a mark"),
+      agreement<2, &Agreement::f_measure>("f_1ms", "Harmonic mean of both"),
+      agreement<3, &Agreement::precision>("precision_0.1ms",
+                                          "Share of the marks that lie within 0.1 ms of an impact of their own"),
+      agreement<3, &Agreement::recall>("recall_0.1ms", "Share of the impacts that have such a mark"),
+      agreement<3, &Agreement::f_measure>("f_0.1ms", "Harmonic mean of both"),
+      member<&S::offset_s>("offset_s", "Median of marked less true time, a latency, which cancels in intervals"),
+      member<&S::jitter_s>("jitter_s", "Root mean square of marked less true time, less the offset"),
+      member<&S::typical_s>("typical_s",
+                            "1.4826 times the median of their sizes: a standard deviation without outliers"),
+      member<&S::within_law_s>(
+          "within_law_s", "Root mean square less a + b v^(-1/5), the place in the contact at which an onset is marked"),
+      member<&S::within_drops_s>("within_drops_s", "The same with a constant a for each drop"),
+      member<&S::bound_s>("bound_s", "Root mean square of the Cramér-Rao bounds of the impacts found"),
+      member<&S::bound_ratio>("bound_ratio", "`within_law_s`, else `jitter_s`, over the bound"),
+      member<&S::bound_ratio_within_drops>("bound_ratio_within_drops", "`within_drops_s` over the bound"),
+      member<&S::eps_error>("eps_error", "Root mean square error of ε of three neighbours found"),
+      member<&S::n_stated>("n_stated", "Intervals of which both standard errors are stated"),
+      member<&S::pull>("pull", "Root mean square of error over standard error: 1 where stated errors are right"),
+      member<&S::coverage>("coverage", "Share of the 95 % intervals that hold the truth"),
+      member<&S::log_score>(
+          "log_score", "Mean of -ln(σ / 1 µs) - error²/(2 σ²): largest where errors are small and stated as they are"),
+      member<&S::invented_per_hour>("invented_per_hour", "Marks in recordings without a ball, per hour"),
+      member<&S::times_real_time>("times_real_time", "Length of the recordings over the detector's processor time")};
+  return all;
 }
 
 }  // namespace bouncelab::loop

@@ -17,21 +17,23 @@ Object value_and_error(const std::optional<fit::Estimate>& estimate, const char*
   return all;
 }
 
-/// A member that has it of one side of what is compared.
-template <class S>
-Member compared(std::string name, Compared S::*what, std::optional<fit::Estimate> Compared::*side,
-                const char* value_name, std::string text) {
-  return result<S>(
-      std::move(name), [=](const S& s) { return value_and_error(s.*what.*side, value_name); }, std::move(text));
+/// A member of one side of what is compared.
+template <auto What, auto Side>
+constexpr Member compared(std::string_view name, const char* text) {
+  using S = decltype(describe_detail::owner_of(What));
+  constexpr bool is_eps = std::is_same_v<S, ComparedNode>;
+  return computed(
+      name, [](const S& s) { return value_and_error(s.*What.*Side, is_eps ? "eps" : "value"); }, text);
 }
 
-/// The same, left out where neither side is known.
-Member with_memory(std::string name, std::optional<fit::Estimate> Compared::*side) {
-  return result<ComparedNode>(
-             std::move(name),
-             [side](const ComparedNode& node) {
+/// The same by the fits with memory, left out where neither side is known.
+template <auto Side>
+constexpr Member with_memory(std::string_view name) {
+  return computed(
+             name,
+             [](const ComparedNode& node) {
                const Compared& both = node.eps_with_memory;
-               return both.from_sound || both.from_true_times ? Value(value_and_error(both.*side, "eps")) : Value{};
+               return both.from_sound || both.from_true_times ? Value(value_and_error(both.*Side, "eps")) : Value{};
              },
              "The same by the fits with memory")
       .left_out_where_unknown();
@@ -50,56 +52,56 @@ Object estimate_of(const fit::Estimate& estimate) {
 
 }  // namespace
 
-const Description& members_of(const ComparedNode*) {
+Description members_of(const ComparedNode*) {
   using N = ComparedNode;
-  static const Description all{result("v_mps", &N::v_mps, "Speed"),
-                               result("truth", &N::truth, "ε of the law simulated"),
-                               compared("from_true_times", &N::eps, &Compared::from_true_times, "eps", "`{eps, se}`"),
-                               compared("from_sound", &N::eps, &Compared::from_sound, "eps", "`{eps, se}`"),
-                               with_memory("from_true_times_with_memory", &Compared::from_true_times),
-                               with_memory("from_sound_with_memory", &Compared::from_sound)};
+  static constexpr Member all[]{member<&N::v_mps>("v_mps", "Speed"),
+                                member<&N::truth>("truth", "ε of the law simulated"),
+                                compared<&N::eps, &Compared::from_true_times>("from_true_times", "`{eps, se}`"),
+                                compared<&N::eps, &Compared::from_sound>("from_sound", "`{eps, se}`"),
+                                with_memory<&Compared::from_true_times>("from_true_times_with_memory"),
+                                with_memory<&Compared::from_sound>("from_sound_with_memory")};
   return all;
 }
 
-const Description& members_of(const ComparedConstant*) {
+Description members_of(const ComparedConstant*) {
   using C = ComparedConstant;
-  static const Description all{
-      result("name", &C::name, "`A2`, `A4`, `A5`"),
-      compared("from_true_times", &C::value, &Compared::from_true_times, "value", "`{value, se}`"),
-      compared("from_sound", &C::value, &Compared::from_sound, "value", "`{value, se}`"),
-      result("truth", &C::truth, "Of the law simulated").left_out_where_unknown()};
+  static constexpr Member all[]{member<&C::name>("name", "`A2`, `A4`, `A5`"),
+                                compared<&C::value, &Compared::from_true_times>("from_true_times", "`{value, se}`"),
+                                compared<&C::value, &Compared::from_sound>("from_sound", "`{value, se}`"),
+                                member<&C::truth>("truth", "Of the law simulated").left_out_where_unknown()};
   return all;
 }
 
-const Description& members_of(const ComparedSlopes*) {
+Description members_of(const ComparedSlopes*) {
   using S = ComparedSlopes;
-  static const Description all{
-      result("v_mps", &S::v_mps, "Centre of the window"),
-      result<S>(
+  static constexpr Member all[]{
+      member<&S::v_mps>("v_mps", "Centre of the window"),
+      computed(
           "from_true_times", [](const S& s) { return both_slopes(s, &Compared::from_true_times); },
           "`{rising, falling}`, each `{value, se}`"),
-      result<S>(
+      computed(
           "from_sound", [](const S& s) { return both_slopes(s, &Compared::from_sound); }, "Likewise")};
   return all;
 }
 
-const Description& members_of(const LawPoint*) {
-  static const Description all{result("v_mps", &LawPoint::v_mps, "Speed"), result("eps", &LawPoint::eps, "ε")};
+Description members_of(const LawPoint*) {
+  static constexpr Member all[]{member<&LawPoint::v_mps>("v_mps", "Speed"), member<&LawPoint::eps>("eps", "ε")};
   return all;
 }
 
-const Description& members_of(const LoopScore*) {
+Description members_of(const LoopScore*) {
   using S = LoopScore;
-  static const Description all{
-      result("n_drops", &S::n_drops, "Drops"),
-      result<S>(
-          "", [](const S& s) { return std::get<Object>(value_of(s.onsets)); }, "Detected against true impacts"),
-      result("n_samples", &S::n_samples, "Samples fitted"),
-      result("eps_nodes", &S::nodes, "`[{v_mps, truth, from_true_times: {eps, se}, from_sound: {eps, se}}]`"),
-      result("constants", &S::constants, "`[{name, truth, from_true_times: {value, se}, from_sound: {value, se}}]`"),
-      result("slopes", &S::slopes,
-             "`[{v_mps, from_true_times: {rising, falling}, from_sound: {rising, falling}}]`, each `{value, se}`"),
-      result("truth_curve", &S::truth_curve, "`[{v_mps, eps}]` of the law that went in")};
+  static constexpr Member all[]{
+      member<&S::n_drops>("n_drops", "Drops"),
+      computed(
+          "", [](const S& s) { return object_of(s.onsets); }, "Detected against true impacts"),
+      member<&S::n_samples>("n_samples", "Samples fitted"),
+      member<&S::nodes>("eps_nodes", "`[{v_mps, truth, from_true_times: {eps, se}, from_sound: {eps, se}}]`"),
+      member<&S::constants>("constants", "`[{name, truth, from_true_times: {value, se}, from_sound: {value, se}}]`"),
+      member<&S::slopes>(
+          "slopes",
+          "`[{v_mps, from_true_times: {rising, falling}, from_sound: {rising, falling}}]`, each `{value, se}`"),
+      member<&S::truth_curve>("truth_curve", "`[{v_mps, eps}]` of the law that went in")};
   return all;
 }
 
@@ -108,92 +110,92 @@ Value as_value(const SlopePair& pair) {
       {"simulation", estimate_of(pair.simulation)}, {"sound", estimate_of(pair.sound)}, {"ratio", pair.ratio}};
 }
 
-const Description& members_of(const SlopeWindow*) {
+Description members_of(const SlopeWindow*) {
   using W = SlopeWindow;
-  static const Description all{
-      result("v_mps", &W::v_mps, "Centre of the window"), result("n_simulation", &W::n_simulation, "Samples"),
-      result("n_sound", &W::n_sound, "Samples"),
-      result("rising", &W::rising, "`{simulation, sound, ratio}` with estimates `{value, se, ci95}`"),
-      result("falling", &W::falling, "Likewise")};
+  static constexpr Member all[]{
+      member<&W::v_mps>("v_mps", "Centre of the window"), member<&W::n_simulation>("n_simulation", "Samples"),
+      member<&W::n_sound>("n_sound", "Samples"),
+      member<&W::rising>("rising", "`{simulation, sound, ratio}` with estimates `{value, se, ci95}`"),
+      member<&W::falling>("falling", "Likewise")};
   return all;
 }
 
-const Description& members_of(const ExpectedSlopes*) {
+Description members_of(const ExpectedSlopes*) {
   using S = ExpectedSlopes;
-  static const Description all{
-      result("v_mps", &S::v_mps, "Centre of the window"), result("n", &S::n, "Simulated impacts in it"),
-      result("rising", &S::rising, "Slope below ε(v)"), result("falling", &S::falling, "Slope above it")};
+  static constexpr Member all[]{
+      member<&S::v_mps>("v_mps", "Centre of the window"), member<&S::n>("n", "Simulated impacts in it"),
+      member<&S::rising>("rising", "Slope below ε(v)"), member<&S::falling>("falling", "Slope above it")};
   return all;
 }
 
-const Description& members_of(const ExpectedDensity*) {
+Description members_of(const ExpectedDensity*) {
   using D = ExpectedDensity;
-  static const Description all{
-      result("v_mps", &D::v_mps, "Centre of the window"), result("eps", &D::eps, "Where"),
-      result("density", &D::density, "p(ε) without timing noise"),
-      result("n_simulated", &D::n_simulated, "Impacts in the window"),
-      result("simulated_counts", &D::simulated_counts, "In the bins of fit.json's histogram, moved to the centre")};
+  static constexpr Member all[]{
+      member<&D::v_mps>("v_mps", "Centre of the window"), member<&D::eps>("eps", "Where"),
+      member<&D::density>("density", "p(ε) without timing noise"),
+      member<&D::n_simulated>("n_simulated", "Impacts in the window"),
+      member<&D::simulated_counts>("simulated_counts", "In the bins of fit.json's histogram, moved to the centre")};
   return all;
 }
 
-const Description& members_of(const ScatterTheory*) {
+Description members_of(const ScatterTheory*) {
   using T = ScatterTheory;
-  static const Description all{
-      result("q", &T::q, "c s₂"),
-      result("contact_factor", &T::contact_factor, "c"),
-      result("offset_variance", &T::offset_variance, "s₂"),
-      result("slopes", &T::slopes, "`[{v_mps, n, rising, falling}]` over the n simulated impacts of each window"),
-      result("densities", &T::densities, "`[{v_mps, eps, density, n_simulated, simulated_counts}]`"),
-      result("n_transforms", &T::n_transforms, "Probability transforms of the simulated impacts"),
-      result<T>(
+  static constexpr Member all[]{
+      member<&T::q>("q", "c s₂"),
+      member<&T::contact_factor>("contact_factor", "c"),
+      member<&T::offset_variance>("offset_variance", "s₂"),
+      member<&T::slopes>("slopes", "`[{v_mps, n, rising, falling}]` over the n simulated impacts of each window"),
+      member<&T::densities>("densities", "`[{v_mps, eps, density, n_simulated, simulated_counts}]`"),
+      member<&T::n_transforms>("n_transforms", "Probability transforms of the simulated impacts"),
+      computed(
           "transform_counts",
           [](const T& t) { return std::vector<std::size_t>(t.transform_counts.begin(), t.transform_counts.end()); },
           "By twentieths")};
   return all;
 }
 
-const Description& members_of(const ReservoirOfDrop*) {
+Description members_of(const ReservoirOfDrop*) {
   using D = ReservoirOfDrop;
-  static const Description all{
-      result("drop", &D::drop, "Number of the drop"),
-      result("first_impact", &D::first_impact, "Of the longest stretch without a missing impact"),
-      result("last_impact", &D::last_impact, "Likewise"),
-      result("simulated_m2ps2", &D::simulated_m2ps2, "As simulated"),
-      result("sound_m2ps2", path(&D::sound, &fit::ReservoirGain::gain_m2ps2), "From the sound"),
-      result<D>(
+  static constexpr Member all[]{
+      member<&D::drop>("drop", "Number of the drop"),
+      member<&D::first_impact>("first_impact", "Of the longest stretch without a missing impact"),
+      member<&D::last_impact>("last_impact", "Likewise"),
+      member<&D::simulated_m2ps2>("simulated_m2ps2", "As simulated"),
+      member<&D::sound, &fit::ReservoirGain::gain_m2ps2>("sound_m2ps2", "From the sound"),
+      computed(
           "own_se_m2ps2", [](const D& d) { return hypot(d.sound.timing_se_m2ps2, d.sound.offset_se_m2ps2); },
           "Timing and offset"),
-      result("law_se_m2ps2", path(&D::sound, &fit::ReservoirGain::law_se_m2ps2), "The law, common to all drops")};
+      member<&D::sound, &fit::ReservoirGain::law_se_m2ps2>("law_se_m2ps2", "The law, common to all drops")};
   return all;
 }
 
-const Description& members_of(const ReservoirCheck*) {
+Description members_of(const ReservoirCheck*) {
   using C = ReservoirCheck;
-  static const Description all{
-      result<C>(
+  static constexpr Member all[]{
+      computed(
           "law", [](const C& c) { return c.with_memory ? "memory" : "independent"; },
           "The fit to the sound whose ε(v) is taken"),
-      result<C>(
+      computed(
           "n_drops", [](const C& c) { return c.drops.size(); }, "Drops"),
-      result("correlation", &C::correlation, "Over the drops, of sound and simulation"),
-      result("rms_simulated_m2ps2", &C::rms_simulated_m2ps2, "Simulated"),
-      result("mean_difference_m2ps2", &C::mean_difference_m2ps2, "Sound less simulated"),
-      result("rms_difference_m2ps2", &C::rms_difference_m2ps2, "Likewise"),
-      result("expected_law_m2ps2", &C::expected_law_m2ps2, "Rms error expected, common to all drops"),
-      result("expected_timing_m2ps2", &C::expected_timing_m2ps2, "Likewise, of the times"),
-      result("expected_offset_m2ps2", &C::expected_offset_m2ps2,
-             "Likewise, of the contacts, of which only the variance is known"),
-      result("spin_share", &C::spin_share, "Of the simulated reservoir"),
-      result<C>(
+      member<&C::correlation>("correlation", "Over the drops, of sound and simulation"),
+      member<&C::rms_simulated_m2ps2>("rms_simulated_m2ps2", "Simulated"),
+      member<&C::mean_difference_m2ps2>("mean_difference_m2ps2", "Sound less simulated"),
+      member<&C::rms_difference_m2ps2>("rms_difference_m2ps2", "Likewise"),
+      member<&C::expected_law_m2ps2>("expected_law_m2ps2", "Rms error expected, common to all drops"),
+      member<&C::expected_timing_m2ps2>("expected_timing_m2ps2", "Likewise, of the times"),
+      member<&C::expected_offset_m2ps2>("expected_offset_m2ps2",
+                                        "Likewise, of the contacts, of which only the variance is known"),
+      member<&C::spin_share>("spin_share", "Of the simulated reservoir"),
+      computed(
           "drops", [](const C& c) { return as_lists(c.drops); }, "Each a list")};
   return all;
 }
 
-const Description& members_of(const SweepPoint*) {
+Description members_of(const SweepPoint*) {
   using P = SweepPoint;
-  static const Description all{
-      result("settings", &P::settings, "Option → value"),
-      result<P>(
+  static constexpr Member all[]{
+      member<&P::settings>("settings", "Option → value"),
+      computed(
           "values",
           [](const P& p) {
             Object values;
@@ -203,34 +205,34 @@ const Description& members_of(const SweepPoint*) {
             return values;
           },
           "The columns of sweep.csv"),
-      result("trouble", &P::failure, "The first thing that does not work at this point; empty where all does")};
+      member<&P::failure>("trouble", "The first thing that does not work at this point; empty where all does")};
   return all;
 }
 
-const Description& members_of(const MemoryCalibrationRow*) {
+Description members_of(const MemoryCalibrationRow*) {
   using R = MemoryCalibrationRow;
-  static const Description all{
-      result("quantity", &R::quantity, "`eps_025`, `A2`, `q` ..."),
-      result("n", &R::n, "Fits"),
-      result("pull_mean", &R::pull_mean, "Mean of (estimate - truth) / se").left_out_where_unknown(),
-      result("pull_sd", &R::pull_sd, "Its standard deviation").left_out_where_unknown(),
-      result("coverage68", &R::coverage68, "Share of the 68 % intervals that hold the truth").left_out_where_unknown(),
-      result("coverage95", &R::coverage95, "Of the 95 % intervals").left_out_where_unknown(),
-      result("rms_error", &R::rms_error, "Of the fit with memory").left_out_where_unknown(),
-      result("rms_error_independent", &R::rms_error_independent, "Of that to independent impacts")
+  static constexpr Member all[]{
+      member<&R::quantity>("quantity", "`eps_025`, `A2`, `q` ..."),
+      member<&R::n>("n", "Fits"),
+      member<&R::pull_mean>("pull_mean", "Mean of (estimate - truth) / se").left_out_where_unknown(),
+      member<&R::pull_sd>("pull_sd", "Its standard deviation").left_out_where_unknown(),
+      member<&R::coverage68>("coverage68", "Share of the 68 % intervals that hold the truth").left_out_where_unknown(),
+      member<&R::coverage95>("coverage95", "Of the 95 % intervals").left_out_where_unknown(),
+      member<&R::rms_error>("rms_error", "Of the fit with memory").left_out_where_unknown(),
+      member<&R::rms_error_independent>("rms_error_independent", "Of that to independent impacts")
           .left_out_where_unknown(),
-      result("gain", &R::gain, "Mean square error of the latter over that of the former").left_out_where_unknown()};
+      member<&R::gain>("gain", "Mean square error of the latter over that of the former").left_out_where_unknown()};
   return all;
 }
 
-const Description& members_of(const MemoryCalibrationGroup*) {
+Description members_of(const MemoryCalibrationGroup*) {
   using G = MemoryCalibrationGroup;
-  static const Description all{result("family", &G::family, "What they have in common: `radii`, `release` ..."),
-                               result("name", &G::name, "Its value"),
-                               result("n", &G::n, "Experiments"),
-                               result("n_failed", &G::n_failed, "Without a fit"),
-                               result("n_holds", &G::n_holds, "Whose test of the model passes"),
-                               result("rows", &G::rows, "A row for each quantity")};
+  static constexpr Member all[]{member<&G::family>("family", "What they have in common: `radii`, `release` ..."),
+                                member<&G::name>("name", "Its value"),
+                                member<&G::n>("n", "Experiments"),
+                                member<&G::n_failed>("n_failed", "Without a fit"),
+                                member<&G::n_holds>("n_holds", "Whose test of the model passes"),
+                                member<&G::rows>("rows", "A row for each quantity")};
   return all;
 }
 

@@ -49,107 +49,114 @@ void keep_three(std::vector<std::string>& warnings, FitInWords& words) {
   });
 }
 
-const Description& members_of(const DropsSeen*) {
+Description members_of(const DropsSeen*) {
   using D = DropsSeen;
-  static const Description all{
-      result("n_drops", &D::n_drops, "Drops"),
-      result("n_impacts", &D::n_impacts, "Impacts; `null` where the samples' times are not known"),
-      result("duration_s", &D::duration_s, "From first to last impact, of several drops the sum"),
-      result("drop_height_m", &D::drop_height_m,
-             "Height of the release, by the speed of the first impact and the drag of the ball; that speed is the one "
-             "at which the flight after it began, over ε. Median of the `n_heights` drops whose first impact was seen, "
-             "that is, where one bounce before it would lie within the recording and after any other drop, and no "
-             "later flight rose higher"),
-      result("drop_height_ci95_m", &D::drop_height_ci95_m,
-             "Its 95 % interval, of several drops that of one; not below the rise of any flight; `null` of a height "
-             "that was given, and of different heights"),
-      result("drop_heights_m", &D::drop_heights_m,
-             "Least and greatest height, where drops of different heights are among them: the median then lies "
-             "outside of the interval of one of them; else `null`"),
-      result("n_heights", &D::n_heights, "Drops with a height")};
+  static constexpr Member all[]{
+      member<&D::n_drops>("n_drops", "Drops"),
+      member<&D::n_impacts>("n_impacts", "Impacts; `null` where the samples' times are not known"),
+      member<&D::duration_s>("duration_s", "From first to last impact, of several drops the sum"),
+      member<&D::drop_height_m>(
+          "drop_height_m",
+          "Height of the release, by the speed of the first impact and the drag of the ball; that speed is the one "
+          "at which the flight after it began, over ε. Median of the `n_heights` drops whose first impact was seen, "
+          "that is, where one bounce before it would lie within the recording and after any other drop, and no "
+          "later flight rose higher"),
+      member<&D::drop_height_ci95_m>(
+          "drop_height_ci95_m",
+          "Its 95 % interval, of several drops that of one; not below the rise of any flight; `null` of a height "
+          "that was given, and of different heights"),
+      member<&D::drop_heights_m>(
+          "drop_heights_m",
+          "Least and greatest height, where drops of different heights are among them: the median then lies "
+          "outside of the interval of one of them; else `null`"),
+      member<&D::n_heights>("n_heights", "Drops with a height")};
   return all;
 }
 
-const Description& members_of(const SpeedAndRestitution*) {
+Description members_of(const SpeedAndRestitution*) {
   using S = SpeedAndRestitution;
-  static const Description all{
-      result("v_mps", &S::v_mps, "Speed"), result("eps", path(&S::eps, &fit::Estimate::value), "ε there"),
-      result("se", path(&S::eps, &fit::Estimate::se), "Its standard error"),
-      result("ci95", path(&S::eps, &fit::Estimate::ci95), "Its 95 % interval"),
-      result("energy_lost", &S::energy_lost,
-             "1 - ⟨ε²⟩, share of the energy of the vertical motion; `eps` is the peak of p(ε)")};
+  static constexpr Member all[]{
+      member<&S::v_mps>("v_mps", "Speed"), member<&S::eps, &fit::Estimate::value>("eps", "ε there"),
+      member<&S::eps, &fit::Estimate::se>("se", "Its standard error"),
+      member<&S::eps, &fit::Estimate::ci95>("ci95", "Its 95 % interval"),
+      member<&S::energy_lost>("energy_lost",
+                              "1 - ⟨ε²⟩, share of the energy of the vertical motion; `eps` is the peak of p(ε)")};
   return all;
 }
 
-const Description& members_of(const RecordingAnswer*) {
+Description members_of(const RecordingAnswer*) {
   using R = RecordingAnswer;
-  static const Description all{
-      result("recording", &R::recording, "Its name"), result("at", &R::at, "At a speed common to most"),
-      result("missing", &R::missing, "Why `at` is `null`"), result("seen", &R::seen, "Of its drops")};
+  static constexpr Member all[]{
+      member<&R::recording>("recording", "Its name"), member<&R::at>("at", "At a speed common to most"),
+      member<&R::missing>("missing", "Why `at` is `null`"), member<&R::seen>("seen", "Of its drops")};
   return all;
 }
 
-const Description& members_of(const PlainAnswer*) {
+Description members_of(const PlainAnswer*) {
   using A = PlainAnswer;
-  static const Description all{
-      result("sentences", &A::sentences,
-             "Texts, most important first: what `fit` and `analyze` print first and the report begins with"),
-      result("doubt", &A::doubt, "What makes it uncertain, a sentence or empty"),
-      result("at", &A::at,
-             "`null` (nothing could be fitted, or recordings do not agree), or ε at the node in the middle, see "
-             "below"),
-      result("elsewhere", &A::elsewhere,
-             "The same at the greatest and the least node, each where the 95 % interval of the difference from `at` "
-             "leaves 0 out"),
-      result("one_value", &A::one_value, "One speed alone, or too few samples for a curve"),
-      result("with_memory", &A::with_memory, "The values are those of `memory`, which holds"),
-      result("seen", &A::seen, "Of the samples' drops, see below"),
-      result("recordings", &A::recordings,
-             "`[{recording, at, missing, seen}]`, each alone, at a speed common to most; `missing` says why `at` is "
-             "`null`; empty where there is one recording")};
+  static constexpr Member all[]{
+      member<&A::sentences>(
+          "sentences", "Texts, most important first: what `fit` and `analyze` print first and the report begins with"),
+      member<&A::doubt>("doubt", "What makes it uncertain, a sentence or empty"),
+      member<&A::at>(
+          "at",
+          "`null` (nothing could be fitted, or recordings do not agree), or ε at the node in the middle, see "
+          "below"),
+      member<&A::elsewhere>(
+          "elsewhere",
+          "The same at the greatest and the least node, each where the 95 % interval of the difference from `at` "
+          "leaves 0 out"),
+      member<&A::one_value>("one_value", "One speed alone, or too few samples for a curve"),
+      member<&A::with_memory>("with_memory", "The values are those of `memory`, which holds"),
+      member<&A::seen>("seen", "Of the samples' drops, see below"),
+      member<&A::recordings>(
+          "recordings",
+          "`[{recording, at, missing, seen}]`, each alone, at a speed common to most; `missing` says why `at` is "
+          "`null`; empty where there is one recording")};
   return all;
 }
 
-const Description& members_of(const Cause*) {
+Description members_of(const Cause*) {
   using C = Cause;
-  static const Description all{
-      result("name", &C::name, "`speed`, `air` or `roughness`"),
-      result("size", &C::size,
-             "How much it changes ε in these data: from the least to the greatest node; by the air, likewise, in the "
-             "intervals; the width of the band that holds two thirds of the bounces. `null`: not known"),
-      result("is_seen", &C::is_seen, "The data show it, or the named ball tells it"),
-      result("sentence", &C::sentence, "In words")};
+  static constexpr Member all[]{
+      member<&C::name>("name", "`speed`, `air` or `roughness`"),
+      member<&C::size>(
+          "size",
+          "How much it changes ε in these data: from the least to the greatest node; by the air, likewise, in the "
+          "intervals; the width of the band that holds two thirds of the bounces. `null`: not known"),
+      member<&C::is_seen>("is_seen", "The data show it, or the named ball tells it"),
+      member<&C::sentence>("sentence", "In words")};
   return all;
 }
 
-const Description& members_of(const Finding*) {
-  static const Description all{result("question", &Finding::question, "Question of a reader"),
-                               result("answer", &Finding::answer, "Its answer from the numbers")};
+Description members_of(const Finding*) {
+  static constexpr Member all[]{member<&Finding::question>("question", "Question of a reader"),
+                                member<&Finding::answer>("answer", "Its answer from the numbers")};
   return all;
 }
 
-const Description& members_of(const FitInWords*) {
+Description members_of(const FitInWords*) {
   using W = FitInWords;
-  static const Description all{
-      result("answer", &W::answer, "The result for somebody who dropped a ball, see [below](#answer)"),
-      result("warnings", &W::warnings, "Texts: what may make another answer, at most three"),
-      result("details", &W::details, "Texts: what else is to be said, of the constants for instance"),
-      result("causes", &W::causes, "Why ε is not the same at every bounce: three, the largest first, see below"),
-      result(
-          "answers", &W::findings,
+  static constexpr Member all[]{
+      member<&W::answer>("answer", "The result for somebody who dropped a ball, see [below](#answer)"),
+      member<&W::warnings>("warnings", "Texts: what may make another answer, at most three"),
+      member<&W::details>("details", "Texts: what else is to be said, of the constants for instance"),
+      member<&W::causes>("causes", "Why ε is not the same at every bounce: three, the largest first, see below"),
+      member<&W::findings>(
+          "answers",
           "`[{question, answer}]`: five questions of a reader, with several recordings and with a fit with memory one "
           "more each, answered from the numbers")};
   return all;
 }
 
 Object object_of(const fit::FitResult& result, const FitInWords& words) {
-  Object all = bouncelab::object_of(members_of(&words), &words);
-  append(all, bouncelab::object_of(members_of(&result), &result));
+  Object all = bouncelab::object_of(words);
+  append(all, bouncelab::object_of(result));
   return all;
 }
 
 Object object_of(const fit::RoughnessResult& result, const std::vector<std::string>& warnings) {
-  Object all = bouncelab::object_of(members_of(&result), &result);
+  Object all = bouncelab::object_of(result);
   all.emplace_back("warnings", value_of(warnings));
   return all;
 }

@@ -49,7 +49,7 @@ Object object_of(const BetweenRecordings& between, const std::vector<CampaignRec
   Object all{{"status", to_string(between.status)},
              {"message", between.message},
              {"answer", value_of(in_words(between, recordings, differences))}};
-  append(all, bouncelab::object_of(members_of(&between), &between));
+  append(all, bouncelab::object_of(between));
   all.emplace_back("differences", value_of(differences));
   all.emplace_back("outliers", outliers_of(between, recordings));
   all.emplace_back("not_used", not_used_of(recordings));

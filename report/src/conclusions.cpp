@@ -145,15 +145,15 @@ std::vector<Conclusion> paper_conclusions(const FitResult& rough, const FitResul
   return all;
 }
 
-const Description& members_of(const Conclusion*) {
+Description members_of(const Conclusion*) {
   using C = Conclusion;
-  static const Description all{result("claim", &C::claim, "What the paper says"),
-                               result("measure", &C::measure, "What `value` is"),
-                               result("criterion", &C::criterion, "When the claim is said to hold"),
-                               result("holds", &C::holds, "Whether it does"),
-                               result("detail", &C::detail, "The numbers behind, in words"),
-                               result("value", &C::value, "`null` where the data do not reach"),
-                               result("ci95", &C::ci95, "Its 95 % interval")};
+  static constexpr Member all[]{member<&C::claim>("claim", "What the paper says"),
+                                member<&C::measure>("measure", "What `value` is"),
+                                member<&C::criterion>("criterion", "When the claim is said to hold"),
+                                member<&C::holds>("holds", "Whether it does"),
+                                member<&C::detail>("detail", "The numbers behind, in words"),
+                                member<&C::value>("value", "`null` where the data do not reach"),
+                                member<&C::ci95>("ci95", "Its 95 % interval")};
   return all;
 }
 

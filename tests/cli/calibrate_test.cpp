@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // `calibrate --memory`: experiments so small that none gives a fit, since a whole one takes seconds; what fits give is
 // tested in tests/loop/memory_calibration_test.cpp.
-#include <nlohmann/json.hpp>
 
 #include "program.hpp"
 
@@ -14,11 +13,11 @@ TEST_F(CalibrateCommand, WithMemoryCountsFailuresWritesARowForEachExperimentAndS
   const Result result =
       run("calibrate --memory --experiments 1 --drops 1,2 --impacts 12 --seed 1 --out e.csv --json --quiet");
   expect_one_line_error(result, 1, {"no experiment gave a fit with memory", "60 impacts"});
-  const nlohmann::json json = nlohmann::json::parse(result.out);
-  EXPECT_EQ(json.at("n_experiments"), 1);
-  EXPECT_EQ(json.at("n_failed"), 1);
-  EXPECT_EQ(json.at("groups").at(0).at("family"), "test");
-  const std::string table = content_of(folder_ / "e.csv");
+  const Json json = Json(result.out);
+  EXPECT_EQ(json["n_experiments"], 1);
+  EXPECT_EQ(json["n_failed"], 1);
+  EXPECT_EQ(json["groups"][0]["family"], "test");
+  const std::string table = content("e.csv");
   EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), 2);
   EXPECT_THAT(table, testing::StartsWith("radii,n_asperities,contact,n_drops,release_spin_radps,drag,sound,"));
   EXPECT_THAT(table, testing::HasSubstr("too_few_samples"));

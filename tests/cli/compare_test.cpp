@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // `compare` on recordings whose truth is known, and on what is no campaign.
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "bouncelab/core/random.hpp"
@@ -46,62 +45,49 @@ class CompareCommand : public ProgramTest {
     write("s.csv", samples.str());
     write("g.csv", groups.str());
   }
-  nlohmann::json comparison() const { return nlohmann::json::parse(content_of(folder_ / "o/comparison.json")); }
+  Json comparison() const { return json("o/comparison.json"); }
 };
 
 TEST_F(CompareCommand, FindsDriftPlateAndBadRecording) {
   write_samples();
+  std::string samples = content("s.csv");
+  for (int i = 0; i < 5; ++i) samples += "short.wav,0," + std::to_string(i + 1) + ",0.5,0.97\n";
+  write("s.csv", samples);
   const Result result = run("compare s.csv --groups g.csv --out o");
   ASSERT_EQ(result.exit_code, 0) << result.err;
   const auto c = comparison();
-  EXPECT_EQ(c.at("n_recordings"), kRecordings);
-  EXPECT_EQ(c.at("n_samples").get<std::size_t>() / 100, 12u);  // 1260 but for lost bounces
+  EXPECT_EQ(c["n_recordings"], kRecordings + 1);
+  ASSERT_EQ(c["not_used"].size(), 1u);
+  EXPECT_EQ(c["not_used"][0]["recording"], "short.wav");
+  EXPECT_THAT(c["not_used"][0]["message"].text(), testing::HasSubstr("at least 8"));
+  EXPECT_NEAR(c["n_samples"].number(), 1260, 60);  // 1260 but for lost bounces
   // one seed: each interval leaves the truth out once in 20 of them
-  const auto holds = [](const nlohmann::json& ci, double truth) {
-    EXPECT_LT(ci.at(0).get<double>(), truth);
-    EXPECT_GT(ci.at(1).get<double>(), truth);
+  const auto holds = [](const Json& ci, double truth) {
+    EXPECT_LT(ci[0].number(), truth);
+    EXPECT_GT(ci[1].number(), truth);
   };
-  holds(c.at("drift").at("slope").at("ci95"), kDrift_per_day);
-  EXPECT_LT(c.at("drift").at("p_value"), 1e-3);
-  EXPECT_EQ(c.at("drift").at("per"), "day");
+  holds(c["drift"]["slope"]["ci95"], kDrift_per_day);
+  EXPECT_LT(c["drift"]["p_value"].number(), 1e-3);
+  EXPECT_EQ(c["drift"]["per"], "day");
   // of the mean of the plates, in the middle of the campaign
-  holds(c.at("eps").at("ci95"), restitution(SeriesLaw{}, c.at("v_mps")) + kPlate / 3.0);
-  ASSERT_EQ(c.at("outliers").size(), 1u);
-  EXPECT_EQ(c.at("outliers").at(0).at("recording"), name_of(kBad));
-  EXPECT_EQ(c.at("plates").at("effect"), "fixed");
-  ASSERT_EQ(c.at("plates").at("rows").size(), kPlates);
-  const auto& second = c.at("plates").at("rows").at(1);
-  EXPECT_EQ(second.at("name"), "glass 2");
+  holds(c["eps"]["ci95"], restitution(SeriesLaw{}, c["v_mps"].number()) + kPlate / 3.0);
+  ASSERT_EQ(c["outliers"].size(), 1u);
+  EXPECT_EQ(c["outliers"][0]["recording"], name_of(kBad));
+  EXPECT_EQ(c["plates"]["effect"], "fixed");
+  ASSERT_EQ(c["plates"]["rows"].size(), kPlates);
+  const auto& second = c["plates"]["rows"][1];
+  EXPECT_EQ(second["name"], "glass 2");
   // three standard errors, of the plate's and of the mean's
-  EXPECT_NEAR(second.at("offset"), kPlate * 2.0 / 3.0, 4.0 * second.at("se").get<double>());
+  EXPECT_NEAR(second["offset"].number(), kPlate * 2.0 / 3.0, 4.0 * second["se"].number());
   EXPECT_THAT(result.out, testing::HasSubstr("rises over the campaign"));
   EXPECT_THAT(result.out, testing::HasSubstr(name_of(kBad)));
-  const std::string table = content_of(folder_ / "o/comparison.csv");
-  EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), static_cast<std::ptrdiff_t>(kRecordings) + 1);
+  const std::string table = content("o/comparison.csv");
+  EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), static_cast<std::ptrdiff_t>(kRecordings) + 2);
   EXPECT_THAT(table, testing::HasSubstr(name_of(0) + ",glass 1,2026-03-10T10:30:00,"));
-  const std::string page = content_of(folder_ / "o/report.html");
+  const std::string page = content("o/report.html");
   EXPECT_THAT(page, testing::HasSubstr("rises over the campaign"));
   EXPECT_LT(page.size(), 3000000u);  // the plotting library is half of it
-  EXPECT_THAT(content_of(folder_ / "o/comparison.json.meta.json"), testing::HasSubstr("g.csv"));
-}
-
-TEST_F(CompareCommand, SameBytesOnAnyNumberOfThreads) {
-  write_samples();
-  ASSERT_EQ(run("compare s.csv --out o --threads 1 --quiet").exit_code, 0);
-  const std::string one = content_of(folder_ / "o/comparison.json");
-  ASSERT_EQ(run("compare s.csv --out o --threads 3 --quiet --force").exit_code, 0);
-  EXPECT_EQ(content_of(folder_ / "o/comparison.json"), one);
-}
-
-TEST_F(CompareCommand, NamesRecordingsThatCannotBeUsed) {
-  write_samples();
-  std::string samples = content_of(folder_ / "s.csv");
-  for (int i = 0; i < 5; ++i) samples += "short.wav,0," + std::to_string(i + 1) + ",0.5,0.97\n";
-  write("s.csv", samples);
-  ASSERT_EQ(run("compare s.csv --out o --quiet").exit_code, 0);
-  ASSERT_EQ(comparison().at("not_used").size(), 1u);
-  EXPECT_EQ(comparison().at("not_used").at(0).at("recording"), "short.wav");
-  EXPECT_THAT(comparison().at("not_used").at(0).at("message").get<std::string>(), testing::HasSubstr("at least 8"));
+  EXPECT_THAT(content("o/comparison.json.meta.json"), testing::HasSubstr("g.csv"));
 }
 
 /// Drops of `bouncing` one behind the other.
@@ -115,30 +101,26 @@ std::string sound_of(int n_drops, double eps) {
   return float_wav(all, 44100);
 }
 
-TEST_F(CompareCommand, TwoSoundsOnTwoPlatesAreAnalysedAndToldApart) {
+TEST_F(CompareCommand, TwoSoundsOnTwoPlatesAreAnalysedAndToldApartIfTheyHaveSeveralDrops) {
   write("glass.wav", sound_of(3, 0.90));
   write("wood.wav", sound_of(3, 0.80));
   const Result result = run("compare glass.wav wood.wav --ball marble --out o");
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_THAT(result.out, testing::StartsWith("glass.wav and wood.wav differ by more than drops of one recording do"));
-  const auto d = comparison().at("differences");
-  EXPECT_EQ(d.at("unit"), "drops");
-  EXPECT_EQ(d.at("ndf"), 4.0);
-  const auto& row = d.at("rows").at(0);
-  EXPECT_NEAR(row.at("offset").at("value").get<double>(), -0.1, 2e-3);  // drops differ by 1e-3
-  EXPECT_LT(row.at("p_value"), 1e-4);
-  EXPECT_EQ(row.at("nodes").size(), 3u);
+  const auto d = comparison()["differences"];
+  EXPECT_EQ(d["unit"], "drops");
+  EXPECT_EQ(d["ndf"], 4.0);
+  const auto& row = d["rows"][0];
+  EXPECT_NEAR(row["offset"]["value"].number(), -0.1, 2e-3);  // drops differ by 1e-3
+  EXPECT_LT(row["p_value"].number(), 1e-4);
+  EXPECT_EQ(row["nodes"].size(), 3u);
   EXPECT_TRUE(row.contains("A2") && row.contains("A5"));
-  EXPECT_THAT(content_of(folder_ / "o/report.html"), testing::HasSubstr("differ by more than drops"));
-}
-
-TEST_F(CompareCommand, OneDropEachSaysThatDropsOfOneMayDifferAsMuch) {
+  EXPECT_THAT(content("o/report.html"), testing::HasSubstr("differ by more than drops"));
   write("glass.wav", sound_of(1, 0.90));
   write("wood.wav", sound_of(1, 0.80));
-  const Result result = run("compare glass.wav wood.wav --out o");
-  ASSERT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_THAT(result.out, testing::HasSubstr("there is one each; drop the ball several times"));
-  EXPECT_TRUE(comparison().at("differences").at("rows").at(0).at("p_value").is_null());
+  EXPECT_THAT(run("compare glass.wav wood.wav --out o --force").out,
+              testing::HasSubstr("there is one each; drop the ball several times"));
+  EXPECT_TRUE(comparison()["differences"]["rows"][0]["p_value"].is_null());
 }
 
 TEST_F(CompareCommand, NamesRowsWithoutARecordingAndRecordingsWithoutARow) {
@@ -150,9 +132,9 @@ TEST_F(CompareCommand, NamesRowsWithoutARecordingAndRecordingsWithoutARow) {
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_THAT(result.err, testing::HasSubstr("1 of the 3 recordings of g.csv has no samples: 'lost.wav'"));
   EXPECT_THAT(result.err, testing::HasSubstr("1 of the 3 recordings has no row in g.csv: 'other.wav'"));
-  const auto row = comparison().at("differences").at("rows").at(0);
-  EXPECT_EQ(row.at("reference"), "table");
-  EXPECT_EQ(row.at("group"), "window");
+  const auto row = comparison()["differences"]["rows"][0];
+  EXPECT_EQ(row["reference"], "table");
+  EXPECT_EQ(row["group"], "window");
 }
 
 TEST_F(CompareCommand, BadInputGetsOneLine) {
@@ -181,28 +163,6 @@ TEST_F(CompareCommand, SaysWhereBallGravityOrCorrectionsDiffer) {
   EXPECT_THAT(run("compare as.csv bs.csv --out same").err, testing::Not(testing::HasSubstr("of another ball")));
   const Result result = run("compare as.csv bs.csv cs.csv --out o");
   EXPECT_THAT(result.err + result.out, testing::HasSubstr("of another ball, plate or gravity than the first"));
-}
-
-TEST_F(CompareCommand, APlateIsTheSameWithBlanksAroundItsName) {
-  write_samples();
-  std::string groups = content_of(folder_ / "g.csv");
-  groups.replace(groups.find("glass 1\n"), 8, "glass 1 \n");
-  write("g.csv", groups);
-  ASSERT_EQ(run("compare s.csv --groups g.csv --out o").exit_code, 0);
-  EXPECT_EQ(comparison().at("plates").at("rows").size(), kPlates);
-}
-
-TEST_F(CompareCommand, SaysThatARecordingIsThereTwice) {
-  write_samples();
-  std::istringstream lines(content_of(folder_ / "s.csv"));
-  std::string text, copy, line;
-  while (std::getline(lines, line)) {
-    text += line + "\n";
-    if (line.starts_with(name_of(2))) copy += "copy" + line.substr(name_of(2).size()) + "\n";
-  }
-  write("twice.csv", text + copy);
-  EXPECT_THAT(run("compare s.csv --out once").err, testing::Not(testing::HasSubstr("twice")));
-  EXPECT_THAT(run("compare twice.csv --out twice").err, testing::HasSubstr("the same drop twice?"));
 }
 
 }  // namespace

@@ -11,7 +11,7 @@ class Figures : public ProgramTest {
     ASSERT_EQ(run("simulate --drops 3 --asperities 10000 --out i.csv --quiet").exit_code, 0);
     ASSERT_EQ(run("restitution i.csv --air 0 --out s.csv --quiet").exit_code, 0);
     run("fit s.csv --method asymmetric-laplace --goodness-replicates 0 --out fit.json --quiet");
-    ASSERT_TRUE(fs::exists(folder_ / "fit.json"));
+    ASSERT_TRUE(exists("fit.json"));
   }
   bool has_browser() const {
     return shell("command -v chromium || command -v chromium-browser || command -v google-chrome").exit_code == 0;
@@ -30,7 +30,7 @@ TEST_F(Figures, AreFilesOfTheirOwnTheSameEachTimeAndReplaceNothingUnasked) {
   if (!has_browser()) GTEST_SKIP() << "no Chromium, no Chrome";
   const Result result = run("report . --figures figures");
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_FALSE(fs::exists(folder_ / "report.html"));  // in place of the page
+  EXPECT_FALSE(exists("report.html"));  // in place of the page
   const std::vector<std::string> names = figures("figures");
   for (const char* name : {"law", "histograms", "slopes"})
     for (const char* extension : {".svg", ".pdf"}) EXPECT_THAT(names, testing::Contains(std::string(name) + extension));
@@ -41,15 +41,16 @@ TEST_F(Figures, AreFilesOfTheirOwnTheSameEachTimeAndReplaceNothingUnasked) {
   }
   expect_one_line_error(run("report . --figures figures --quiet"), 3, {"figures/", "exists already", "--force"});
   ASSERT_EQ(run("report . --figures again --out page.html --quiet").exit_code, 0);
-  EXPECT_TRUE(fs::exists(folder_ / "page.html"));
+  EXPECT_TRUE(exists("page.html"));
   for (const std::string& name : names)
-    if (name.ends_with(".svg"))
-      EXPECT_EQ(content_of(folder_ / "again" / name), content_of(folder_ / "figures" / name)) << name;
+    if (name.ends_with(".svg")) {
+      EXPECT_EQ(content("again/" + name), content("figures/" + name)) << name;
+    }
 }
 
 TEST_F(Figures, WithoutABrowserAreRefusedInALineThatSaysWhatToInstall) {
   expect_one_line_error(shell("PATH=/nowhere \"$B\" report . --figures figures"), 3, {"--figures", "Chromium"});
-  EXPECT_FALSE(fs::exists(folder_ / "figures"));
+  EXPECT_FALSE(exists("figures"));
 }
 
 TEST_F(Figures, OfABrowserThatFailsLeaveNothingBehind) {
@@ -61,7 +62,7 @@ TEST_F(Figures, OfABrowserThatFailsLeaveNothingBehind) {
   // one that writes another page
   write("bin/chromium", "#!/bin/sh\necho '<html></html>'\n");
   expect_one_line_error(shell("PATH=\"$PWD/bin:$PATH\" \"$B\" report . --figures figures"), 3, {"list of figures"});
-  EXPECT_FALSE(fs::exists(folder_ / "figures"));
+  EXPECT_FALSE(exists("figures"));
 }
 
 }  // namespace

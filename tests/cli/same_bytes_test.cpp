@@ -38,6 +38,7 @@ const std::vector<Stage> kStages{
     {"synthesize impacts.csv --rate 24000 --out sound.wav --truth truth.csv", "sound.wav", {}},
     {"", "truth.csv", {{"t_s", 80, 677.6191616191272}, {"sigma_t_s", 80, 6.3460035458311176e-06}}},
     {"synthesize other.csv --rate 24000 --hard rough --out hard.wav", "hard.wav", {}},
+    {"synthesize other.csv --rate 24000 --each-drop --out each.flac", "each.0001.flac", {}},
     // as many modes as ring by a transform
     {"synthesize other.csv --rate 96000 --out fine.wav", "fine.wav", {}},
     {"detect sound.wav --out onsets.csv", "onsets.csv", {{"t_s", 80, 677.61203650846107}}},
@@ -46,6 +47,8 @@ const std::vector<Stage> kStages{
      {{"eps", 76, 74.209308576228182}}},
     {"fit samples.csv --goodness-replicates 3 --bootstrap 3 --out fit.json --table law.csv", "fit.json", {}},
     {"", "law.csv", {{"eps", 25, 24.418226725927685}}},
+    {"restitution other.csv --out samples2.csv", "samples2.csv", {}},
+    {"compare samples.csv samples2.csv --out compared", "compared/comparison.json", {}},
 };
 
 class SameBytes : public ProgramTest {
@@ -90,7 +93,7 @@ TEST_F(SameBytes, InAnyTimeZoneAndLanguage) {
   for (const std::string where : {"LC_ALL=C TZ=UTC", "LC_ALL=de_DE.UTF-8 TZ=Asia/Tokyo"}) {
     ASSERT_EQ(shell(where + " \"$B\" restitution i.csv --out s.csv --force --quiet").exit_code, 0);
     ASSERT_LE(shell(where + " \"$B\" fit s.csv --out f.json --force --quiet").exit_code, 1);
-    const std::string both = content_of(folder_ / "s.csv") + content_of(folder_ / "f.json");
+    const std::string both = content("s.csv") + content("f.json");
     if (first.empty()) first = both;
     EXPECT_TRUE(both == first) << where;
   }

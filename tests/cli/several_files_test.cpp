@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // `restitution` of several tables of onsets; `fit` and `compare` have tests of their own.
 #include "program.hpp"
+#include "wav.hpp"
 
 namespace bouncelab::cli_test {
 namespace {
@@ -24,7 +25,7 @@ class SeveralFiles : public ProgramTest {
     EXPECT_EQ(result.exit_code, 0) << result.err;
     EXPECT_EQ(result.err.empty(), warning.empty()) << result.err;
     EXPECT_THAT(result.err, testing::HasSubstr(warning));
-    return content_of(folder_ / "s.csv");
+    return content("s.csv");
   }
 };
 
@@ -51,6 +52,34 @@ TEST_F(SeveralFiles, OfTheSameContentCountOnce) {
   write("1.csv", kHeader + drop_of("x.wav", 0, 0.9));
   write("copy.csv", kHeader + drop_of("x.wav", 0, 0.9));
   EXPECT_EQ(samples_of("1.csv copy.csv", "copy.csv: the same onsets as 1.csv"), samples_of("1.csv"));
+  fs::copy_file(folder_ / "s.csv", folder_ / "t.csv");
+  EXPECT_THAT(run("fit s.csv t.csv --out f.json").err,
+              testing::HasSubstr("t.csv: the same samples as s.csv (by content)"));
+  EXPECT_EQ(json("f.json")["n_used"], 3);
+  write("a.wav", float_wav(bouncing(12), 44100));
+  fs::copy_file(folder_ / "a.wav", folder_ / "copy.wav");
+  write("other.wav", float_wav(bouncing(13), 44100));
+  const Result result = run("detect a.wav copy.wav other.wav ./a.wav --out o.csv --json");
+  EXPECT_EQ(Json(result.out)["n_onsets"], 25);
+  for (const char* copy : {"copy.wav", "./a.wav"})
+    EXPECT_THAT(result.err, testing::HasSubstr(std::string(copy) + ": the same recording as a.wav"));
+  EXPECT_EQ(json("o.csv.meta.json")["inputs"].size(), 2u);
+  EXPECT_EQ(run("analyze a.wav copy.wav other.wav --out out").exit_code, 0);
+  EXPECT_EQ(json("out/summary.json")["n_onsets"], 25);
+}
+
+TEST_F(SeveralFiles, WithTheSameDropAreSaidToHaveItTwice) {
+  for (const int begin_s : {0, 3}) {
+    std::string rows = "t_s\n";
+    double t_s = begin_s, interval_s = 0.5;
+    for (const double eps : {0.85, 0.846, 0.853, 0.849, 0.855, 0.844, 0.851, 0.848, 0.85})
+      rows += std::to_string(t_s) + "\n", t_s += interval_s, interval_s *= eps;
+    write(begin_s == 0 ? "1.csv" : "2.csv", rows);
+  }
+  EXPECT_THAT(run("analyze 1.csv --out alone").out, testing::Not(testing::HasSubstr("twice")));
+  EXPECT_THAT(run("analyze 1.csv 2.csv --out a").out, testing::HasSubstr("the same drop twice?"));
+  ASSERT_EQ(run("restitution 1.csv 2.csv --out s.csv").exit_code, 0);
+  EXPECT_THAT(run("compare s.csv --out c").err, testing::HasSubstr("the same drop twice?"));
 }
 
 TEST_F(SeveralFiles, OfTwoBallsNeedToBeToldWhichItIs) {

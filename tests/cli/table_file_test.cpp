@@ -9,7 +9,6 @@
 #include <fstream>
 #include <sstream>
 
-#include "bouncelab/core/error.hpp"
 #include "bouncelab/core/table.hpp"
 #include "support/temporary_folder.hpp"
 
@@ -85,34 +84,11 @@ TEST_P(TableFile, IsTheSameRowsInWhateverPiecesItIsRead) {
   }
 }
 
-TEST_P(TableFile, NamesARowByItsPlaceInTheFileAlsoInALaterPiece) {
-  Table rows = rows_of(0, 100);
-  std::get<std::vector<double>>(rows.columns[2].values)[70] = -2e10;  // beyond the range of times
-  write_table(run_, path_, rows);
-  const auto reader = open_table(path_, kColumns);
-  reader->next(50);
-  const Table piece = reader->next(50);
-  const std::string ext = GetParam();
-  EXPECT_EQ(piece.place_of(20), ext == ".csv" ? "line 72" : "line 71");
-}
-
 TEST_P(TableFile, IsLeftAloneWithoutTheLastPiece) {
   write_table(run_, path_, rows_of(0, 10));
   const std::string before = content();
   { TableWriter(run_, path_).add(rows_of(0, kRows)); }
   EXPECT_TRUE(content() == before);
-}
-
-TEST_P(TableFile, WhatIsCutOffIsRefused) {
-  write_table(run_, path_, rows_of(0, kRows));
-  fs::resize_file(path_, fs::file_size(path_) / 2);
-  EXPECT_THROW(
-      {
-        const auto reader = open_table(path_, kColumns);
-        while (reader->next(1000).n_rows() > 0) {
-        }
-      },
-      FileError);
 }
 
 std::string name_of(const testing::TestParamInfo<const char*>& info) { return info.param + 1; }

@@ -12,6 +12,7 @@ namespace bouncelab {
 namespace {
 
 enum class Kind { round, flat };
+std::string to_string(Kind kind) { return kind == Kind::round ? "round" : "flat"; }
 
 struct Whole {
   std::int64_t n = 3;
@@ -23,15 +24,17 @@ struct Whole {
   Kind kind = Kind::flat;
 };
 
-const Description& members_of(const Whole*) {
-  static const Description whole{
-      member("n", &Whole::n, "Number").within(1, 1'000'000'000),
-      member("speed_mps", &Whole::speed_mps, "Speed"),
-      member("name", &Whole::name, "Name"),
-      member("nodes", &Whole::nodes, "Nodes").within(0.0, 1.0),
-      member("start_m", &Whole::start_m, "Start").with_commas("X,Y", 2, 2).within(-9.0, 9.0),
-      member("drag", &Whole::drag, "Air"),
-      choice<Whole, Kind>("kind", &Whole::kind, {{"round", Kind::round}, {"flat", Kind::flat}}, "Form")};
+Description members_of(const Whole*) {
+  static constexpr Member whole[]{
+      member<&Whole::n>("n", "Number").within(1, 1'000'000'000),
+      member<&Whole::speed_mps>("speed_mps", "Speed"),
+      member<&Whole::name>("name", "Name"),
+      member<&Whole::nodes>("nodes", "Nodes").within(0.0, 1.0),
+      member<&Whole::start_m>("start_m", "Start").with_commas("X,Y", 2, 2).within(-9.0, 9.0),
+      member<&Whole::drag>("drag", "Air"),
+      member<&Whole::kind>("kind", "Form").one_of("round,flat").set_by([](void* whole, const Value& word) {
+        static_cast<Whole*>(whole)->kind = std::get<std::string>(word) == "round" ? Kind::round : Kind::flat;
+      })};
   return whole;
 }
 

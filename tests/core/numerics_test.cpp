@@ -3,9 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "bouncelab/core/error.hpp"
+#include "bouncelab/core/random.hpp"
 
 namespace bouncelab {
 namespace {
@@ -38,6 +40,46 @@ TEST(RootBetween, IsFoundToRoundingAndRefusesAFunctionWithoutAChangeOfSign) {
   EXPECT_DOUBLE_EQ(root_between([](double x) { return x * x - 2.0; }, 0.0, 2.0), std::sqrt(2.0));
   EXPECT_EQ(root_between([](double x) { return x - 1.0; }, 1.0, 3.0), 1.0) << "at an end";
   EXPECT_THROW(root_between([](double x) { return x * x + 1.0; }, 0.0, 2.0), InvalidArgument);
+}
+
+std::vector<double> some_values(std::size_t n) {
+  Random random(1, RandomStream::test, n);
+  std::vector<double> values;
+  for (std::size_t k = 0; k < n; ++k) values.push_back(random.normal());
+  return values;
+}
+
+TEST(OrderStatistic, IsTheValueAtThatPlaceOfTheSortedOnes) {
+  for (const std::size_t n : {1u, 2u, 7u, 100u}) {
+    const std::vector<double> values = some_values(n);
+    std::vector<double> sorted = values;
+    std::sort(sorted.begin(), sorted.end());
+    for (std::size_t k = 0; k < n; ++k) EXPECT_EQ(order_statistic(values, k), sorted[k]);
+  }
+}
+
+TEST(Median, IsTheMiddleOneOrTheMeanOfTheTwoInTheMiddle) {
+  EXPECT_EQ(median({3.0}), 3.0);
+  EXPECT_EQ(median({3.0, 1.0, 2.0}), 2.0);
+  EXPECT_EQ(median({4.0, 1.0, 3.0, 2.0}), 2.5);
+  EXPECT_EQ(median({1.0, 1.0, 1.0, 5.0}), 1.0);
+}
+
+TEST(UpperMedian, IsAlwaysOneOfTheValues) {
+  EXPECT_EQ(upper_median({3.0}), 3.0);
+  EXPECT_EQ(upper_median({2.0, 1.0}), 2.0);
+  EXPECT_EQ(upper_median({4.0, 1.0, 3.0, 2.0}), 3.0);
+}
+
+TEST(Quantile, InterpolatesBetweenTheRanks) {
+  const std::vector<double> values{0.0, 1.0, 4.0};
+  EXPECT_EQ(quantile(values, 0.0), 0.0);
+  EXPECT_EQ(quantile(values, 0.25), 0.5);
+  EXPECT_EQ(quantile(values, 0.75), 2.5);
+  EXPECT_EQ(quantile(values, 1.0), 4.0);
+  std::vector<double> many = some_values(51);
+  std::sort(many.begin(), many.end());
+  EXPECT_EQ(quantile(many, 0.5), median(many));
 }
 
 }  // namespace

@@ -9,7 +9,6 @@
 #include "bouncelab/core/random.hpp"
 
 namespace bouncelab {
-
 namespace {
 
 using testing::HasSubstr;
@@ -69,10 +68,6 @@ TEST(Printable, EveryMessageIsOneLineOfThousandCharactersAtMost) {
   EXPECT_STREQ(FileExists("a\nb").what(), "a\\nb: exists already");
 }
 
-}  // namespace
-
-namespace {
-
 bool is_valid(std::string_view text) {
   while (!text.empty()) {
     const std::size_t size = utf8_character(text);
@@ -107,5 +102,4 @@ TEST(Utf8, AnyBytesBecomeValidTextAndComeBack) {
 }
 
 }  // namespace
-
 }  // namespace bouncelab

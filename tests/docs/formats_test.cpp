@@ -25,15 +25,15 @@ namespace bouncelab {
 namespace {
 
 template <class... S>
-std::map<std::string, const Description*> described(std::pair<const char*, const S*>... named) {
-  return {{named.first, &members_of(named.second)}...};
+std::map<std::string, Description> described(std::pair<const char*, const S*>... named) {
+  return {{named.first, members_of(named.second)}...};
 }
 template <class S>
 std::pair<const char*, const S*> named(const char* name) {
   return {name, nullptr};
 }
 
-const std::map<std::string, const Description*>& all_described() {
+const std::map<std::string, Description>& all_described() {
   static const auto all = [] {
     auto described_structs =
         described(named<Ball>("Ball"), named<sim::SimulationResult>("SimulationResult"),
@@ -60,16 +60,16 @@ const std::map<std::string, const Description*>& all_described() {
                   named<report::SpeedAndRestitution>("SpeedAndRestitution"), named<report::PlainAnswer>("PlainAnswer"),
                   named<report::Cause>("Cause"), named<report::FitInWords>("FitInWords"),
                   named<report::Conclusion>("Conclusion"));
-    described_structs["MemoryTests"] = &fit::members_of_tests();
-    described_structs["Roughness"] = &fit::members_of_roughness();
+    described_structs["MemoryTests"] = fit::members_of_tests();
+    described_structs["Roughness"] = fit::members_of_roughness();
     return described_structs;
   }();
   return all;
 }
 
 /// Columns of tables.
-const std::map<std::string, Description>& all_columns() {
-  static const std::map<std::string, Description> all{
+const std::map<std::string, std::vector<Member>>& all_columns() {
+  static const std::map<std::string, std::vector<Member>> all{
       {"HistogramBin", description_of(columns_of(static_cast<const fit::HistogramBin*>(nullptr)))},
       {"Impact", description_of(columns_of(static_cast<const Impact*>(nullptr)))},
       {"ImpactState", description_of(columns_of(static_cast<const ImpactState*>(nullptr)))},
@@ -79,23 +79,19 @@ const std::map<std::string, Description>& all_columns() {
   return all;
 }
 
-const Description& description_named(const std::string& name, bool is_table) {
-  static const Description none;
+Description description_named(const std::string& name, bool is_table) {
   const bool is_known = is_table ? all_columns().contains(name) : all_described().contains(name);
   EXPECT_TRUE(is_known) << name;
-  return !is_known ? none : is_table ? all_columns().at(name) : *all_described().at(name);
+  if (!is_known) return {};
+  return is_table ? Description(all_columns().at(name)) : all_described().at(name);
 }
 
-/// Rows of a table in Markdown. Members without a text are named in the row before them.
-std::string rows_of(const Description& description) {
+/// Rows of a table in Markdown.
+std::string rows_of(Description description) {
   std::string rows;
-  for (std::size_t k = 0; k < description.size(); ++k) {
-    std::string names = description[k].name.empty() ? "..." : "`" + description[k].name + "`";
-    const std::string& text = description[k].text;
-    for (; k + 1 < description.size() && description[k + 1].text.empty(); ++k)
-      names += ", `" + description[k + 1].name + "`";
-    rows += "| " + names + " | " + text + " |\n";
-  }
+  for (const Member& member : description)
+    rows += "| " + (member.name.empty() ? "..." : "`" + std::string(member.name) + "`") + " | " +
+            std::string(member.text) + " |\n";
   return rows;
 }
 
@@ -131,10 +127,11 @@ TEST(Formats, PageHasTheTablesOfTheDescriptions) {
 
 TEST(Formats, TextsAreSentencesWithoutTheirFullStop) {
   for (const auto& [name, description] : all_described()) {
-    ASSERT_FALSE(description->empty()) << name;
-    EXPECT_FALSE(description->front().text.empty()) << name;
-    for (const Member& member : *description)
+    ASSERT_FALSE(description.empty()) << name;
+    for (const Member& member : description) {
+      EXPECT_FALSE(member.text.empty()) << name << ": " << member.name;
       EXPECT_FALSE(member.text.ends_with('.') && !member.text.ends_with("...")) << name << ": " << member.name;
+    }
   }
 }
 

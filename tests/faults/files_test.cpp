@@ -44,16 +44,6 @@ TEST_F(Disk, ThatIsFullEndsInTheWholeResultOrInOneLine) {
   }
 }
 
-TEST_F(Disk, StandardOutputThatIsFullIsAnErrorOfTheCommand) {
-  for (const Job& job : jobs()) {
-    SCOPED_TRACE(job.arguments);
-    const Result result = run(job.arguments + std::string(" --json >/dev/full"));
-    EXPECT_EQ(result.exit_code, 3);
-    EXPECT_THAT(result.err, testing::HasSubstr("standard output"));
-    empty_out();
-  }
-}
-
 class Folder : public FaultTest {};
 
 TEST_F(Folder, ThatMayNotBeWrittenIsSaidInOneLine) {

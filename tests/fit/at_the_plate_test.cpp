@@ -9,34 +9,18 @@
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/restitution_law.hpp"
 #include "bouncelab/fit/restitution.hpp"
+#include "integrated_flight.hpp"
 
 namespace bouncelab::fit {
 namespace {
 
 constexpr double kG = kDefaultGravity_mps2;
 
-struct Bounce {
-  double duration_s, landing_mps;
-};
+using Bounce = testing::IntegratedFlight;
 
-/// The flight by brute force: Runge-Kutta of fourth order in time, 2000 steps, the landing by the last step's parabola.
-/// @param deceleration  by drag, of the speed
 template <class Deceleration>
 Bounce integrated(double launch_mps, Deceleration deceleration) {
-  double z = 0.0, v = launch_mps, t = 0.0;
-  const double h = 2.0 * launch_mps / kG / 2000.0;
-  const auto a = [&](double w) { return -kG - std::copysign(deceleration(std::abs(w)), w); };
-  for (;;) {
-    const double k1 = a(v), k2 = a(v + 0.5 * h * k1), k3 = a(v + 0.5 * h * k2), k4 = a(v + h * k3);
-    const double dz = h * (v + h * (k1 + k2 + k3) / 6.0), dv = h * (k1 + 2 * k2 + 2 * k3 + k4) / 6.0;
-    if (z + dz < 0.0) break;
-    z += dz;
-    v += dv;
-    t += h;
-  }
-  const double acceleration = a(v);
-  const double rest = (v + std::sqrt(v * v - 2.0 * acceleration * z)) / -acceleration;  // v < 0: time to z = 0
-  return {t + rest, -(v + acceleration * rest)};
+  return testing::integrated_flight(launch_mps, kG, 2000, deceleration);
 }
 Bounce in_air(const Ball& ball, double launch_mps) {
   return integrated(launch_mps, [&](double v) { return drag_rate_per_s(ball, {}, v) * v; });
@@ -53,15 +37,6 @@ TEST(Flight, WithDragIsThatOfTheIntegratedMotion) {
       const double summit_m = std::log1p(kappa_per_m * u * u / kG) / (2.0 * kappa_per_m);
       EXPECT_NEAR(fall_with_drag_mps(summit_m, kG, kappa_per_m) / truth.landing_mps, 1.0, 3e-7) << u;
     }
-}
-
-TEST(Flight, WithLittleDragIsThatOfTheFirstOrder) {
-  // docs/physics.md, 9: launch v (1 + kappa v^2/(4 g)), landing v (1 - kappa v^2/(4 g)), right to 1e-6 at kappa .13 and
-  // .6 m/s
-  const Flight flight = flight_with_drag(2.0 * 0.6 / kG, kG, 0.13);
-  const double shift = 0.13 * 0.36 / (4.0 * kG);
-  EXPECT_NEAR(flight.launch_mps, 0.6 * (1.0 + shift), 2e-6);
-  EXPECT_NEAR(flight.landing_mps, 0.6 * (1.0 - shift), 2e-6);
 }
 
 TEST(Flight, FromAHeightHasASpeedThatGivesTheHeightBack) {

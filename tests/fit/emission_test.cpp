@@ -29,7 +29,7 @@ double density(double y, double reservoir, double noise) {
 /// The same by quadrature: the density of the fluctuation, smeared by a normal. eps does not depend on the speed, and
 /// contacts are not weighted by their speed of approach.
 double smeared(double y, double reservoir, double noise) {
-  constexpr int kSteps = 4000;
+  constexpr int kSteps = 1500;
   const Fluctuation fluctuation(kQ, {kSpeed, kEps, 0.0, reservoir});
   double sum = 0.0;
   for (int k = 0; k < kSteps; ++k) {
@@ -47,7 +47,7 @@ TEST(Emission, IsTheSmearedDensityOfTheFluctuation) {
     for (const double noise : {0.1, 1.0}) {
       const double sd = std::sqrt(kQ * reservoir) * (1.0 + kEps) + unit;
       double worst = 0.0, mass = 0.0;
-      const int n = 400;
+      const int n = 200;
       for (int k = 0; k < n; ++k) {
         const double y = -unit + sd * (-10.0 + 20.0 * (k + 0.5) / n);
         const double exact = smeared(y, reservoir, noise * unit);

@@ -52,16 +52,13 @@ TEST(ErrorBudget, IsForWhatTheSamplesSayOfThemselves) {
   EXPECT_EQ(budget.ball, config.ball);
   EXPECT_EQ(budget.plate, kGlass);
   EXPECT_EQ(budget.wave_speed_mps, 343.0);
-}
-
-TEST(ErrorBudget, OfSamplesThatSayNothingIsAsConfigured) {
-  BudgetConfig base;
-  base.ball = ball_from_text("glass:8mm");
+  // of samples that say nothing it is as configured
+  base.ball = config.ball;
   base.drag = Effect::corrected;
-  const BudgetConfig budget = budget_config_of(testing::independent_samples({}, 100, 0.2, 1.4, 0.0), base);
-  EXPECT_EQ(budget.ball, base.ball);
-  EXPECT_EQ(budget.drag, Effect::corrected);
-  EXPECT_EQ(budget.contact_time, Effect::present);
+  const BudgetConfig as_configured = budget_config_of(testing::independent_samples({}, 100, 0.2, 1.4, 0.0), base);
+  EXPECT_EQ(as_configured.ball, base.ball);
+  EXPECT_EQ(as_configured.drag, Effect::corrected);
+  EXPECT_EQ(as_configured.contact_time, Effect::present);
 }
 
 TEST(ErrorBudget, LagOneIsMinusTwoThirdsOfTimingAndZeroOfAsperities) {

@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <array>
 #include <cmath>
 #include <vector>
 
@@ -54,89 +53,6 @@ TEST(LawLikelihood, GradientIsThatOfItsValueForEveryFamily) {
             << static_cast<int>(kind) << " " << n_terms << " " << i;
       }
     }
-}
-
-/// Families without priors: what their drops have adds up to the whole.
-struct WithoutPriors {
-  ScatterKind kind;
-  LawKind law;
-  std::size_t n_terms;
-};
-constexpr std::array<WithoutPriors, 4> kWithoutPriors{{{ScatterKind::normal, LawKind::series, 1},
-                                                       {ScatterKind::normal, LawKind::viscoelastic, 3},
-                                                       {ScatterKind::symmetric_laplace, LawKind::series, 3},
-                                                       {ScatterKind::symmetric_laplace, LawKind::viscoelastic, 2}}};
-
-Eigen::VectorXd theta_of(const WithoutPriors& family, const LawModel& model) {
-  Eigen::VectorXd theta = Eigen::VectorXd::Zero(model.n_parameters() + static_cast<Eigen::Index>(family.n_terms));
-  if (family.law == LawKind::series)
-    theta.head(2) << 0.949, 0.946;
-  else
-    theta[0] = std::log(0.006);
-  theta[model.n_parameters()] = std::log(0.0015);
-  if (family.n_terms > 1) theta[model.n_parameters() + 1] = -0.3;
-  return theta;
-}
-
-TEST(LawLikelihood, ScoresAndInformationOfTheDropsAddUp) {
-  LawData data = few_samples();
-  for (std::size_t k = 0; k < data.size(); ++k) data.drop[k] = k % 7;
-  for (const WithoutPriors& family : kWithoutPriors) {
-    const LawModel model = make_law_model(family.law, {2, 4}, data.v_mps);
-    const LawLikelihood likelihood(data, model, {family.kind, family.n_terms, 0.3});
-    const Eigen::VectorXd theta = theta_of(family, model);
-    Eigen::VectorXd gradient;
-    likelihood(theta, &gradient);
-    const Eigen::MatrixXd by_drop = likelihood.scores_by_drop(theta), by_sample = likelihood.scores_by_sample(theta);
-    ASSERT_EQ(by_drop.cols(), 7);
-    ASSERT_EQ(by_sample.cols(), 60);
-    Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(theta.size(), theta.size());
-    for (const Eigen::MatrixXd& of_drop : likelihood.information_by_drop(theta)) sum += of_drop;
-    const Eigen::MatrixXd all = likelihood.information(theta);
-    for (Eigen::Index i = 0; i < theta.size(); ++i) {
-      // sums of 60 terms in another order
-      const double rounding = 1e-13 * by_sample.row(i).cwiseAbs().sum();
-      EXPECT_NEAR(by_drop.row(i).sum(), gradient[i], rounding) << i;
-      EXPECT_NEAR(by_sample.row(i).sum(), gradient[i], rounding) << i;
-      for (Eigen::Index j = 0; j < theta.size(); ++j)
-        EXPECT_NEAR(sum(i, j), all(i, j), 1e-12 * std::sqrt(all(i, i) * all(j, j))) << i << j;
-    }
-  }
-}
-
-TEST(LawLikelihood, InformationOfADropIsTakenFromSomeOfVeryManySamples) {
-  constexpr std::size_t kDrops = 300, kImpacts = 100;
-  LawData data;
-  for (std::size_t k = 0; k < kDrops * kImpacts; ++k) {
-    const double v = 0.1 * std::pow(10.0, static_cast<double>(k) / (kDrops * kImpacts - 1));
-    data.v_mps.push_back(v);
-    data.eps.push_back(0.95 - 0.01 * v);
-    data.tau.push_back(0.0005 / v);
-    data.drop.push_back(k * 7919 % kDrops);  // each has one of every 300 in a row
-  }
-  const WithoutPriors family = kWithoutPriors[2];
-  const LawModel model = make_law_model(family.law, {2, 4}, data.v_mps);
-  const ScatterFamily scatter{family.kind, family.n_terms, 0.3};
-  const Eigen::VectorXd theta = theta_of(family, model);
-  const std::vector<Eigen::MatrixXd> by_drop = LawLikelihood(data, model, scatter).information_by_drop(theta);
-  ASSERT_EQ(by_drop.size(), kDrops);
-  for (const std::size_t drop : {std::size_t{0}, std::size_t{1}, kDrops - 1}) {
-    LawData of_drop;
-    for (std::size_t k = 0; k < data.size(); ++k) {
-      if (data.drop[k] != drop) continue;
-      of_drop.v_mps.push_back(data.v_mps[k]);
-      of_drop.eps.push_back(data.eps[k]);
-      of_drop.tau.push_back(data.tau[k]);
-      of_drop.drop.push_back(0);
-    }
-    const Eigen::MatrixXd whole = LawLikelihood(of_drop, model, scatter).information(theta);
-    // every third of a hundred, each for itself and its neighbours: the last is nobody's, and in the sum of
-    // log(v / v_ref)^4, where the fastest count most and timing hides the slow, it is a twelfth
-    for (Eigen::Index i = 0; i < theta.size(); ++i)
-      for (Eigen::Index j = 0; j < theta.size(); ++j)
-        EXPECT_NEAR(by_drop[drop](i, j), whole(i, j), 0.1 * std::sqrt(whole(i, i) * whole(j, j)))
-            << drop << " " << i << j;
-  }
 }
 
 /// By differences of the gradient over a small part of a standard error.
@@ -209,28 +125,6 @@ TEST(LawLikelihood, OnlyTheLostBounceIsProbablyLost) {
   }
 }
 
-TEST(LawLikelihood, ScoreOfTheLocationOfSomeSamplesIsTheSumOfTheirs) {
-  const LawData data = few_samples();
-  const LawModel model = make_law_model(LawKind::constant, {}, data.v_mps);
-  std::vector<std::size_t> some;
-  for (std::size_t k = 0; k < data.size(); k += 3) some.push_back(k);
-  for (const ScatterKind kind : {ScatterKind::normal_laplace, ScatterKind::asymmetric_laplace, ScatterKind::normal}) {
-    const LawLikelihood likelihood(data, model, {kind, 1, 0.3, kind == ScatterKind::normal ? 0.0 : 0.01});
-    Eigen::VectorXd theta = Eigen::VectorXd::Constant(likelihood.n_parameters(), std::log(0.0015));
-    theta[0] = 0.946;
-    if (kind == ScatterKind::normal_laplace) theta[theta.size() - 1] = 0.2;
-    const double offset = 0.001;
-    const auto found = likelihood.location_score(likelihood.gathered(theta, some), offset);
-    theta[0] += offset;
-    const std::vector<double> by_location = likelihood.derivatives(theta).by_location;
-    double sum = 0.0, squares = 0.0;
-    for (const std::size_t k : some) sum += by_location[k], squares += by_location[k] * by_location[k];
-    // sums of 20 terms in another order, residuals rounded
-    EXPECT_NEAR(found.sum, sum, 1e-10 * std::sqrt(squares));
-    EXPECT_NEAR(found.squares, squares, 1e-10 * squares);
-  }
-}
-
 TEST(LawLikelihood, InformationIsTheMeanSquareOfTheScores) {
   // over many draws from the density itself
   Random random(3, RandomStream::test, 1);
@@ -262,45 +156,6 @@ TEST(LawLikelihood, InformationIsTheMeanSquareOfTheScores) {
                   expected(i, j) / std::sqrt(expected(i, i) * expected(j, j)), 0.05)
           << i << j;
   }
-}
-
-const std::vector<double> kSpeeds{0.01, 0.25, 0.6, 1.0, 1.2, 3.7, 20.0};
-
-TEST(Columns, AreWhatOneSampleAfterTheOtherGives) {
-  // exponentials of logarithms below 10: some ten units in the last place
-  constexpr double kRounding = 3e-15;
-  const std::vector<double> powers = powers_of(kSpeeds, 0.4);
-  ScatterModel scatter;
-  scatter.v_ref_mps = 0.5;
-  scatter.log_below = {-7.0, -1.2, 0.1};
-  scatter.log_above = {-7.1, -1.0};
-  const ScaleColumns b = scales_at(scatter, kSpeeds);
-  for (std::size_t k = 0; k < kSpeeds.size(); ++k) {
-    EXPECT_NEAR(powers[k] / std::pow(kSpeeds[k], 0.4), 1.0, kRounding);
-    EXPECT_NEAR(b.below[k] / scatter.below(kSpeeds[k]), 1.0, kRounding);
-    EXPECT_NEAR(b.above[k] / scatter.above(kSpeeds[k]), 1.0, kRounding);
-  }
-  for (const RestitutionLaw& law :
-       {RestitutionLaw(SeriesLaw{}), RestitutionLaw(ViscoelasticLaw{0.02}), RestitutionLaw(ConstantLaw{0.9}),
-        RestitutionLaw(TableLaw{{0.1, 1.0}, {0.99, 0.9}})}) {
-    const std::vector<double> eps = restitutions(law, kSpeeds);
-    for (std::size_t k = 0; k < kSpeeds.size(); ++k) EXPECT_NEAR(eps[k], restitution(law, kSpeeds[k]), kRounding);
-  }
-}
-
-TEST(Columns, DropsAreNumberedAsTheyAreMet) {
-  DropNumbers numbers;
-  const auto number_of = [&](const RestitutionSample& sample) { return numbers.of(sample); };
-  RestitutionSample a, b, c;
-  a.drop = 7;
-  b.drop = 3;
-  c.drop = 7;
-  c.recording = "other";
-  EXPECT_EQ(number_of(a), 0u);
-  EXPECT_EQ(number_of(a), 0u);
-  EXPECT_EQ(number_of(b), 1u);
-  EXPECT_EQ(number_of(c), 2u);
-  EXPECT_EQ(number_of(a), 0u);
 }
 
 }  // namespace

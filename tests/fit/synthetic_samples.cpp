@@ -6,6 +6,7 @@
 #include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/random.hpp"
+#include "bouncelab/core/restitution_with_memory.hpp"
 
 namespace bouncelab::testing {
 namespace {
@@ -65,6 +66,45 @@ RestitutionSamples independent_samples(const SyntheticRun& run, std::size_t n, d
     const double sigma = sigma_eps_at_1mps / s.v_mps;
     s.eps = restitution(run.law, s.v_mps) + scatter_of(run, s.v_mps, random) + sigma * random.normal();
     if (sigma > 0.0) s.sigma_eps = sigma;
+  }
+  return samples;
+}
+
+RestitutionSamples rough_drops(const RoughDrops& drops, std::uint64_t seed) {
+  const RestitutionLaw law = SeriesLaw{};
+  RestitutionSamples samples;
+  for (int drop = 0; drop < drops.n; ++drop) {
+    Random random(seed, RandomStream::test, static_cast<std::uint64_t>(drop));
+    const double differs = drops.spread > 0.0 ? 1.0 + drops.spread * random.normal() : 1.0;
+    const auto eps = [&](double v) { return 1.0 - differs * (1.0 - restitution(law, v)); };
+    double v = 1.4 * std::sqrt(random.uniform(0.9, 1.0)), w = 0.0, mean_w = 0.0;
+    if (drops.release > 0.0) w = drops.release * (drops.same ? 1.0 : random.exponential());
+    std::vector<double> times{0.0};
+    for (int k = 0; k < drops.impacts + 2; ++k) {
+      if (!drops.memory) w = mean_w * random.exponential();
+      mean_w += 2.0 * drops.q * (1.0 + eps(v)) * (1.0 + eps(v)) * v * v;
+      const double z2 = random.normal(), z1 = random.normal();
+      v *= restitution_with_memory(v, eps, drops.q * std::pow(v, drops.power), z1, z2, w);
+      w *= drops.kept * (1.0 - drops.slips * std::pow(0.7, k));
+      times.push_back(times.back() + 2.0 * v / 9.81);
+    }
+    for (double& t : times) t += drops.timing_s * random.normal();
+    for (std::size_t k = 1; k + 1 < times.size(); ++k) {
+      RestitutionSample s;
+      const double before = times[k] - times[k - 1], after = times[k + 1] - times[k];
+      s.drop = drop;
+      s.impact = static_cast<std::int64_t>(k);
+      s.t_s = times[k];
+      s.v_mps = 0.5 * 9.81 * before;
+      s.eps = after / before;
+      if (drops.timing_s > 0.0) {
+        s.sigma_v_mps = 0.5 * 9.81 * drops.timing_s * std::sqrt(2.0);
+        s.sigma_eps = drops.timing_s * std::sqrt(1.0 + (1.0 + s.eps) * (1.0 + s.eps) + s.eps * s.eps) / before;
+      }
+      s.conditions.gravity_mps2 = 9.81;
+      s.conditions.ball = Ball{1e-6};  // contacts of the drawn drops have no height
+      samples.push_back(s);
+    }
   }
   return samples;
 }

@@ -31,6 +31,21 @@ Onsets synthetic_onsets(const SyntheticRun& run);
 RestitutionSamples independent_samples(const SyntheticRun& run, std::size_t n, double v_lo_mps, double v_hi_mps,
                                        double sigma_eps_at_1mps);
 
+/// Drops of a ball that remembers, by the sampler with memory; their law is the paper's.
+struct RoughDrops {
+  int n = 12, impacts = 60;
+  double q = 2e-5;
+  double kept = 1.0;      ///< of the reservoir by each bounce
+  double release = 0.0;   ///< mean reservoir at the release
+  bool same = false;      ///< each drop is released with that reservoir; else exponential
+  double slips = 0.0;     ///< share of the reservoir that the first bounce takes, the next 0.7 times as much, and so on
+  bool memory = true;     ///< else each impact has the reservoir of another drop's
+  double timing_s = 0.0;  ///< standard deviation of the times
+  double power = 0.0;     ///< roughness is q v^power
+  double spread = 0.0;    ///< standard deviation, between drops, of the share that 1 - eps differs by
+};
+RestitutionSamples rough_drops(const RoughDrops& drops, std::uint64_t seed);
+
 double mean_below(const SyntheticRun& run, double v_mps);
 double mean_above(const SyntheticRun& run, double v_mps);
 

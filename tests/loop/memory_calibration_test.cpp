@@ -11,6 +11,7 @@
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/sim/theory.hpp"
 #include "support/sanitizers.hpp"
+#include "support/statistics.hpp"
 
 namespace bouncelab::loop {
 namespace {
@@ -82,11 +83,12 @@ TEST(MemoryCalibration, FindsTheTruthThatWentInAndItsTablesAddUp) {
   in_air.drag = true;
   MemoryConditions by_sound = small_conditions(3);
   by_sound.sound = true;
+  const auto n_impacts = test::repetitions<std::int64_t>(60, 96);
   std::vector<MemoryExperiment> experiments;
-  for (const MemoryConditions& c : {in_air, by_sound}) experiments.push_back(run_memory_experiment(c, 96));
+  for (const MemoryConditions& c : {in_air, by_sound}) experiments.push_back(run_memory_experiment(c, n_impacts));
   for (const MemoryExperiment& e : experiments) {
     ASSERT_EQ(e.status, fit::FitStatus::ok) << e.message;
-    EXPECT_GE(e.n_used, 3U * 94U - 6U);  // two samples go with each impact missed
+    EXPECT_GE(static_cast<std::int64_t>(e.n_used), 3 * (n_impacts - 2) - 6);  // two samples go with each impact missed
     EXPECT_EQ(e.quantities.size(), 7U);
     for (const CalibratedQuantity& q : e.quantities) {
       ASSERT_TRUE(q.with_memory && q.with_memory->se) << q.name;

@@ -144,31 +144,6 @@ Motion collide_paper(const Ball& ball, const RestitutionLaw& law, double beta, V
   return {before.velocity_mps + (1.0 / m) * impulse, before.spin_radps + (1.0 / j) * cross(r, impulse)};
 }
 
-Impacts bounce(const SimulationConfig& config, const Surface& surface, BallState state, int n_impacts) {
-  Impacts impacts;
-  std::optional<std::int64_t> left;
-  double t_s = 0.0;
-  for (int k = 0; k < n_impacts; ++k) {
-    const FirstContact contact = first_contact(config.ball, surface, state, config.gravity_mps2, left);
-    left = contact.asperity;
-    t_s += contact.dt_s;
-    const Motion& before = contact.state.motion;
-    const Motion after =
-        collide_paper(config.ball, config.law, std::get<PaperContact>(config.contact).beta, contact.lever_m, before);
-    Impact row;
-    row.impact = k;
-    row.t_s = t_s;
-    row.v_mps = -before.velocity_mps.z;
-    row.v_after_mps = after.velocity_mps.z;
-    row.eps_macro = row.v_after_mps / row.v_mps;
-    row.asperity = contact.asperity;
-    impacts.rows.push_back(row);
-    state = contact.state;
-    state.motion = after;
-  }
-  return impacts;
-}
-
 BallState state_after(const Ball& ball, const ImpactState& s) {
   const auto vector = [](const std::array<double, 3>& a) { return Vector3{a[0], a[1], a[2]}; };
   return {s.position_m[0], s.position_m[1], s.position_m[2] - ball.radius_m,

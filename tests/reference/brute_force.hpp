@@ -18,10 +18,6 @@ FirstContact first_contact(const Ball& ball, const Surface& surface, const BallS
 /// The paper's rule, eqs. 6-10.
 Motion collide_paper(const Ball& ball, const RestitutionLaw& law, double beta, Vector3 lever_m, const Motion& before);
 
-/// Bounces on from `start`.
-/// @return rows without drop and impact numbers
-Impacts bounce(const SimulationConfig& config, const Surface& surface, BallState start, int n_impacts);
-
 /// The state in which a simulated impact left the ball.
 BallState state_after(const Ball& ball, const ImpactState& impact);
 

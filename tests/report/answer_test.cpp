@@ -11,6 +11,7 @@
 #include "bouncelab/core/ball.hpp"
 #include "bouncelab/fit/fit.hpp"
 #include "bouncelab/fit/restitution.hpp"
+#include "dropped.hpp"
 #include "synthetic_samples.hpp"
 
 namespace bouncelab::report {
@@ -23,33 +24,13 @@ using ::testing::Not;
 
 FitInWords told(const RestitutionSamples& samples) { return in_words(fit_all(samples, {}), samples); }
 
-constexpr double kG = 9.81;  // kDefaultGravity_mps2, with which samples are made and read
-
-/// Onsets of balls dropped from a height, eps the same at every impact; the first fall begins at begin_s.
-Onsets dropped(double height_m, double eps, std::size_t n_impacts, double begin_s, std::int64_t drop = 0) {
-  Onsets onsets;
-  double t_s = begin_s + std::sqrt(2.0 * height_m / kG), v_mps = std::sqrt(2.0 * kG * height_m);
-  for (std::size_t k = 0; k < n_impacts; ++k) {
-    Onset onset;
-    onset.recording = "ball.wav";
-    onset.drop = drop;
-    onset.impact = static_cast<std::int64_t>(k);
-    onset.t_s = t_s;
-    onset.sigma_t_s = 1e-5;
-    onsets.push_back(onset);
-    v_mps *= eps;
-    t_s += 2.0 * v_mps / kG;
-  }
-  return onsets;
+/// Onsets of a ball, eps the same at every impact; the fall begins at begin_s.
+Onsets dropped(double height_m, double eps, std::size_t n_impacts, double begin_s) {
+  return onsets_of(
+      {.height_m = height_m, .eps = [eps](int) { return eps; }, .n_impacts = n_impacts, .begin_s = begin_s});
 }
 
-/// Of a ball in no air, whose contacts take no time.
-RestitutionSamples samples_of(const Onsets& onsets) {
-  RestitutionConfig no_air;
-  no_air.air_kgpm3 = 0.0;
-  no_air.instant_contacts = true;
-  return restitution_samples(onsets, no_air).samples;
-}
+RestitutionSamples samples_of(const Onsets& onsets) { return restitution_samples(onsets, no_air()).samples; }
 
 TEST(PlainAnswer, SaysEpsAtTheMiddleSpeedWhereItChangesAndWhatEnergyIsLost) {
   bouncelab::testing::SyntheticRun run;

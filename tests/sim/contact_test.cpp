@@ -78,15 +78,6 @@ TEST(Collide, PaperRuleIsTheSolutionOfItsLinearSystem) {
   }
 }
 
-TEST(Collide, SmoothBallKeepsTangentialVelocityAndSpinWithBetaOne) {
-  const Ball ball;
-  const Motion before{{0.2, -0.1, -1.0}, {50.0, 20.0, -30.0}};
-  const Motion after = collide(ball, ConstantLaw{0.9}, PaperContact{}, {0, 0, -ball.radius_m}, before).after;
-  EXPECT_NEAR(after.velocity_mps.z, 0.9, kRounding);
-  EXPECT_NEAR(after.velocity_mps.x, 0.2, kRounding);
-  EXPECT_LT(norm(after.spin_radps - before.spin_radps), 1e-9);  // R omega to 1e-12 m/s
-}
-
 TEST(Collide, FrictionlessImpactNeverCreatesEnergyAndDissipatesTheClosedForm) {
   const Ball ball;
   for (std::uint64_t k = 0; k < 200; ++k) {

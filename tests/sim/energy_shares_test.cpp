@@ -35,19 +35,24 @@ TEST(EnergyShares, OfARoughBallMoveFromVerticalToRotationAndHorizontalMotionBoun
   EXPECT_LT(shares[79].vertical, 1.0);
 }
 
-TEST(EnergyShares, OfASmoothBallStayVertical) {
-  const SimulationConfig config = config_with_states();
-  for (const EnergyShares& s : energy_shares(config.ball, simulate(config, Surface{}).impacts)) {
-    EXPECT_EQ(s.vertical, 1.0);
-    EXPECT_EQ(s.rotational_hi, 0.0);
-  }
-}
-
-TEST(EnergyShares, WithoutStatesAreRefused) {
-  SimulationConfig config = config_with_states();
-  config.with_state = false;
+TEST(Reservoir, AfterEachImpactIsThatOfItsState) {
+  SimulationConfig config;
   config.n_drops = 1;
-  EXPECT_THROW(energy_shares(config.ball, simulate(config, Surface{}).impacts), InvalidArgument);
+  config.n_impacts_max = 3;
+  config.with_state = true;
+  SimulationResult result = simulate(config, make_surface(config.ball, 20'000, ConstantRadii{1e-3}, 4));
+  const auto after = reservoirs_after(config.ball, result.impacts);
+  ASSERT_EQ(after.size(), 3u);
+  for (std::size_t k = 0; k < 3; ++k) {
+    const KineticEnergy energy = impact_energy(config.ball, result.impacts.states[k]).after;
+    const double m = mass_kg(config.ball);
+    EXPECT_NEAR(after[k].sideways_m2ps2, 2.0 * energy.horizontal_j / m, 1e-15);  // rounding
+    EXPECT_LE(after[k].spin_m2ps2, 2.0 * energy.rotational_j / m + 1e-15);       // less the spin about the normal
+    EXPECT_GT(after[k].spin_m2ps2, 0.9 * 2.0 * energy.rotational_j / m);  // which is of second order in offsets of .01
+  }
+  result.impacts.states.clear();
+  EXPECT_THROW(reservoirs_after(config.ball, result.impacts), InvalidArgument);
+  EXPECT_THROW(energy_shares(config.ball, result.impacts), InvalidArgument);
 }
 
 }  // namespace

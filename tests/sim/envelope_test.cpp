@@ -108,17 +108,5 @@ TEST(Envelope, OneTowerAmongAMillionLengthensNoListAndTakesNoRoom) {
   EXPECT_EQ(towered.support(tower).asperity, 123'456);
 }
 
-TEST(Envelope, IsTheSameForAnyNumberOfThreads) {
-  const Ball ball;
-  const Surface surface = make_surface(ball, 100'000, ExponentialRadii{}, 23);
-  const Envelope one(ball, surface, 1), seven(ball, surface, 7);
-  EXPECT_EQ(one.n_bytes(), seven.n_bytes());
-  for (std::uint64_t k = 0; k < 2'000; ++k) {
-    const Envelope::Leaf a = one.leaf_at(random_direction(k)), b = seven.leaf_at(random_direction(k));
-    ASSERT_TRUE(std::equal(a.list.begin(), a.list.end(), b.list.begin(), b.list.end()));
-    ASSERT_EQ(a.max_elevation, b.max_elevation);
-  }
-}
-
 }  // namespace
 }  // namespace bouncelab::sim

@@ -199,10 +199,5 @@ TEST(Simulate, RefusesWhatCannotBe) {
   refuses([](SimulationConfig& c) { c.start_spin_radps[1] = NAN; });
 }
 
-TEST(Simulate, ProgressMayStopIt) {
-  const SimulationConfig config = small_config();
-  EXPECT_THROW(simulate(config, Surface{}, [](double, double) { throw Interrupted(); }), Interrupted);
-}
-
 }  // namespace
 }  // namespace bouncelab::sim

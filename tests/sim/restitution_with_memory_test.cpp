@@ -13,6 +13,7 @@
 #include "bouncelab/sim/sim.hpp"
 #include "drop_statistics.hpp"
 #include "support/sanitizers.hpp"
+#include "support/statistics.hpp"
 
 namespace bouncelab::sim {
 namespace {
@@ -96,20 +97,13 @@ void expect_same(const Drops& a, const Drops& b) {
   EXPECT_NEAR(slope_a.value, slope_b.value, 4.0 * std::hypot(slope_a.se, slope_b.se));
 }
 
-TEST(RestitutionWithMemory, ReproducesTheSimulatedDropsFromTenCentimetres) {
+TEST(RestitutionWithMemory, ReproducesTheSimulatedDropsFromOneHeightAndFromSeveral) {
   if (test::kSanitizer != nullptr) GTEST_SKIP() << test::kRepetitions;
-  const Drops simulator = simulated(0.1, 0.09, 2000), sampler = sampled(0.1, 0.09, 6000);
-  expect_same(simulator, sampler);
-}
-
-TEST(RestitutionWithMemory, ReproducesTheSpreadOfSpeedsFromOneHeight) {
-  if (test::kSanitizer != nullptr) GTEST_SKIP() << test::kRepetitions;
-  expect_same(simulated(0.1, 0.1, 1000), sampled(0.1, 0.1, 4000));
-}
-
-TEST(RestitutionWithMemory, ReproducesTheSimulatedDropsFromAMetre) {
-  if (test::kSanitizer != nullptr) GTEST_SKIP() << test::kRepetitions;
-  expect_same(simulated(1.0, 1.0, 1000), sampled(1.0, 1.0, 4000));
+  const auto n = test::repetitions<std::int64_t>(300, 1500);
+  expect_same(simulated(0.1, 0.09, n), sampled(0.1, 0.09, 4 * n));
+  if (n < 1000) return;
+  expect_same(simulated(0.1, 0.1, n), sampled(0.1, 0.1, 4 * n));
+  expect_same(simulated(1.0, 1.0, n), sampled(1.0, 1.0, 4 * n));
 }
 
 }  // namespace

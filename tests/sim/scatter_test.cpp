@@ -6,7 +6,6 @@
 #include <cmath>
 #include <vector>
 
-#include "../reference/brute_force.hpp"
 #include "bouncelab/sim/sim.hpp"
 #include "drop_statistics.hpp"
 
@@ -93,32 +92,6 @@ TEST(Scatter, OfExponentialRadiiIsTensOfTimesWider) {
   EXPECT_NEAR(sd(in_window(samples, 0.3)), 0.063, 0.0063);
   EXPECT_NEAR(sd(in_window(samples, 0.7)), 0.025, 0.0025);
   EXPECT_NEAR(sd(in_window(samples, 1.0)), 0.014, 0.0014);
-}
-
-TEST(Scatter, IsDistributedAsThatOfTheBruteForceTwin) {
-  // two independent samples of 60 drops each: the twin's drops start as drops 1000 ... 1059 would
-  SimulationConfig config;
-  config.n_drops = 60;
-  config.n_impacts_max = 30;
-  const Surface surface = make_surface(config.ball, 10'000, UniformRadii{}, 1);
-  std::vector<double> ours, twins;
-  for (const Impact& impact : simulate(config, surface).impacts.rows)
-    ours.push_back(impact.eps_macro - restitution(config.law, impact.v_mps));
-  for (std::int64_t drop = 1000; drop < 1060; ++drop) {
-    const BallState start = release(config, drop);
-    for (const Impact& impact : reference::bounce(config, surface, start, 30).rows)
-      twins.push_back(impact.eps_macro - restitution(config.law, impact.v_mps));
-  }
-  std::sort(ours.begin(), ours.end());
-  std::sort(twins.begin(), twins.end());
-  double distance = 0.0;
-  for (std::size_t i = 0, j = 0; i < ours.size() && j < twins.size();) {
-    (ours[i] <= twins[j] ? i : j)++;
-    distance = std::max(distance, std::abs(static_cast<double>(i) / static_cast<double>(ours.size()) -
-                                           static_cast<double>(j) / static_cast<double>(twins.size())));
-  }
-  // Kolmogorov: p = 0.01 at 1.628 sqrt(1/n + 1/m)
-  EXPECT_LT(distance, 1.628 * std::sqrt(2.0 / 1800.0));
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include "bouncelab/core/random.hpp"
 #include "bouncelab/sim/contact.hpp"
 #include "bouncelab/sim/energy.hpp"
+#include "support/statistics.hpp"
 
 namespace bouncelab::sim {
 namespace {
@@ -74,9 +75,10 @@ Followed follow(const Ball& ball, const Approach& a, int n_steps) {
 
 TEST(Stronge, CreatesNoEnergyInThreeHundredThousandApproaches) {
   const Ball ball;
+  const int n_approaches = test::repetitions(50'000, 300'000);
   int n = 0, n_coulomb_creates = 0;
   double worst = -1.0;
-  for (std::uint64_t k = 0; n < 300'000; ++k) {
+  for (std::uint64_t k = 0; n < n_approaches; ++k) {
     const Approach a = random_approach(k);
     if (!approaches(a)) continue;
     ++n;
@@ -92,7 +94,6 @@ TEST(Stronge, CreatesNoEnergyInThreeHundredThousandApproaches) {
   EXPECT_LT(worst, 5e-15);
   // the same approaches make energy under Newton's restitution: what the rule is for
   EXPECT_GT(n_coulomb_creates, n / 100);
-  RecordProperty("coulomb_creates", n_coulomb_creates);
 }
 
 TEST(Stronge, EndsAndCreatesNoEnergyWhereFrictionJamsTheContact) {
@@ -134,18 +135,6 @@ TEST(Stronge, FollowsItsDefinition) {
   EXPECT_GT(n_turning, 20);  // or the slip's turning would not have been tested
 }
 
-TEST(Stronge, WithoutFrictionIsFrictionless) {
-  const Ball ball;
-  for (std::uint64_t k = 0; k < 1000; ++k) {
-    const Approach a = random_approach(k);
-    if (!approaches(a)) continue;
-    const Motion none = collide(ball, ConstantLaw{a.eps}, StrongeContact{0.0}, a.lever_m, a.motion).after;
-    const Motion twin = collide(ball, ConstantLaw{a.eps}, FrictionlessContact{}, a.lever_m, a.motion).after;
-    EXPECT_LT(norm(none.velocity_mps - twin.velocity_mps), 1e-14);  // rounding of speeds of 1 m/s
-    EXPECT_LT(norm(none.spin_radps - twin.spin_radps) * ball.radius_m, 1e-14);
-  }
-}
-
 TEST(Stronge, CentralContactHasEpsExactlyAndSlidesOrRollsAsInTextbooks) {
   const Ball ball;
   const Vector3 lever{0, 0, -ball.radius_m};
@@ -155,6 +144,7 @@ TEST(Stronge, CentralContactHasEpsExactlyAndSlidesOrRollsAsInTextbooks) {
   constexpr double kRounding = 1e-14;  // of speeds of 1 m/s
   EXPECT_NEAR(after(0.0, 0.3, 0.9).velocity_mps.z, 0.9, kRounding);
   EXPECT_EQ(after(0.0, 0.3, 0.9).velocity_mps.x, 0.0);
+  EXPECT_NEAR(after(0.5, 0.0, 0.9).velocity_mps.x, 0.5, kRounding);
   EXPECT_NEAR(after(0.5, 0.1, 0.0).velocity_mps.z, 0.0, kRounding);
   // sliding to the end: dv_x = -mu (1 + eps) v_n, R omega = 5/2 of it; rolling: v' = 5/7 v
   EXPECT_NEAR(after(1.0, 0.1, 0.8).velocity_mps.x, 1.0 - 0.1 * 1.8, kRounding);
@@ -179,15 +169,6 @@ TEST(Stronge, SlipThatReversesHasTheClosedFormOfThePlane) {
   const Collision c = collide(ball, ConstantLaw{eps}, StrongeContact{mu}, {rho, 0, -r}, {{-speed, 0, -1.0}, {}});
   EXPECT_NEAR(c.impulse_ns.z / p, 1.0, 1e-13);  // a dozen roundings
   EXPECT_NEAR(c.impulse_ns.x / p, (p1 - (p - p1)) * mu / p, 1e-13);
-}
-
-TEST(Stronge, EnergeticRestitutionIsNotThatOfSpeeds) {
-  // where slip stops within the contact the ratio of normal speeds differs from eps: by Newton's rule it would not
-  const Ball ball;
-  const Vector3 lever{0.15 * ball.radius_m, 0, -ball.radius_m};
-  const Motion before{{-0.3, 0, -1.0}, {}};
-  const Vector3 v = contact_velocity(collide(ball, ConstantLaw{1.0}, StrongeContact{0.3}, lever, before).after, lever);
-  EXPECT_GT(std::abs(v.z - 1.0), 1e-3);
 }
 
 }  // namespace

@@ -12,6 +12,7 @@
 #include "bouncelab/sim/sim.hpp"
 #include "drop_statistics.hpp"
 #include "support/sanitizers.hpp"
+#include "support/statistics.hpp"
 
 namespace bouncelab::sim {
 namespace {
@@ -129,17 +130,17 @@ void expect_slopes(const Experiment& e) {
     const FluctuationSides expected = expected_sides(e.config, e.q, v);
     const testing::Estimate below = measured(e, v, &testing::Laplace::below);
     const testing::Estimate above = measured(e, v, &testing::Laplace::above);
-    // three and a half standard errors of about 2 %, and 2 %: the window is not a point, s2 is that of one surface
+    // three and a half standard errors of 2 to 4 %, and 2 %: the window is not a point, s2 is that of one surface
     EXPECT_NEAR(below.value, expected.below, 3.5 * below.se + 0.02 * expected.below) << v;
     EXPECT_NEAR(above.value, expected.above, 3.5 * above.se + 0.02 * expected.above) << v;
-    EXPECT_LT(below.se, 0.04 * below.value);
+    EXPECT_LT(below.se, 0.08 * below.value);
   }
 }
 
 TEST(Theory, SlopesAreThoseOfSimulatedDrops) {
   if (test::kSanitizer != nullptr) GTEST_SKIP() << test::kRepetitions;
-  expect_slopes(experiment(ConstantRadii{}, 71'378, 1200));
-  expect_slopes(experiment(ConstantRadii{}, 71'378, 1200, FrictionlessContact{}));
+  expect_slopes(experiment(ConstantRadii{}, 71'378, test::repetitions(400, 1200)));
+  expect_slopes(experiment(ConstantRadii{}, 71'378, test::repetitions(400, 1200), FrictionlessContact{}));
 }
 
 TEST(Theory, TransformsOfSimulatedImpactsAreUniformWhateverTheRuleOfContact) {
@@ -156,86 +157,10 @@ TEST(Theory, TransformsOfSimulatedImpactsAreUniformWhateverTheRuleOfContact) {
 
 TEST(Theory, HoldsForExponentialRadiiToo) {
   if (test::kSanitizer != nullptr) GTEST_SKIP() << test::kRepetitions;
-  Experiment e = experiment(ExponentialRadii{2e-5}, 1'000'000, 1000);
+  Experiment e = experiment(ExponentialRadii{2e-5}, 1'000'000, test::repetitions(400, 1000));
   expect_slopes(e);  // of the order of 2e-5 R: asperities cover the sphere ten times over
   e.impacts.rows.resize(300 * 95);
   EXPECT_GT(testing::kolmogorov_p(probability_transforms(e.impacts, e.config.law, e.q)), 1e-3);
-}
-
-TEST(Theory, OfUniformRadiiIsNearlyRight) {
-  if (test::kSanitizer != nullptr) GTEST_SKIP() << test::kRepetitions;
-  // offsets are flatter than normal: 19,000 transforms tell, and they are off by little
-  const Experiment e = experiment(UniformRadii{}, 1'000'000, 200);
-  const std::vector<double> u = probability_transforms(e.impacts, e.config.law, e.q);
-  EXPECT_LT(testing::kolmogorov_p(u), 1e-3);
-  double mean_square = 0.0;
-  for (const double x : u) mean_square += x * x / static_cast<double>(u.size());
-  EXPECT_NEAR(mean_square, 1.0 / 3.0, 0.02);  // 1.5 % off in the transforms themselves
-}
-
-TEST(Theory, OfSlopesLeavesItsRangeWhereTheScatterChangesTheSpeeds) {
-  // exponential radii of 1e-3, q = 7e-4: speeds are a tenth and more from those of a smooth ball, which S is of
-  const Experiment e = experiment(ExponentialRadii{1e-3}, 1'000'000, 1000);
-  const testing::Estimate below = measured(e, 0.3, &testing::Laplace::below);
-  const FluctuationSides expected = expected_sides(e.config, e.q, 0.3);
-  EXPECT_LT(below.value + 4.0 * below.se, expected.below);
-  EXPECT_GT(below.value, 0.6 * expected.below);
-  // given the drop's own past the law holds on: early impacts, before any meets the ball on its way up
-  Impacts early;
-  for (const Impact& i : e.impacts.rows)
-    if (i.impact < 40) early.rows.push_back(i);
-  EXPECT_GT(testing::kolmogorov_p(probability_transforms(early, e.config.law, e.q)), 1e-3);
-}
-
-TEST(Theory, ContactsAreWeightedByTheirSpeedOfApproach) {
-  if (test::kSanitizer != nullptr) GTEST_SKIP() << test::kRepetitions;
-  // v_c - v = sqrt(w) t_x, and t_x has the mean q sqrt(w)/v: the mean of (v_c - v)/v is q w/v^2, not 0
-  const Experiment e = experiment(ExponentialRadii{1e-3}, 1'000'000, 6000, PaperContact{}, 0.0, 50);
-  const double mass = mass_kg(e.config.ball);
-  const testing::Estimate slope = testing::by_drop(20, [&](const std::function<bool(std::int64_t)>& counts) {
-    double excess = 0.0, expected = 0.0;
-    for (std::size_t k = 0; k < e.impacts.rows.size(); ++k) {
-      const Impact& i = e.impacts.rows[k];
-      const auto& energy_j = e.impacts.states[k].energy_j;
-      const double w = 2.0 * (energy_j[1] + energy_j[2]) / mass;
-      if (!counts(i.drop) || e.q * w > 0.1 * i.v_mps * i.v_mps) continue;  // terms of the next order
-      excess += (i.v_contact_mps - i.v_mps) / i.v_mps;
-      expected += e.q * w / (i.v_mps * i.v_mps);
-    }
-    return excess / expected;
-  });
-  EXPECT_NEAR(slope.value, 1.0, 4.0 * slope.se);
-  EXPECT_LT(slope.se, 0.12);  // far from 0; 12,000 drops give 0.997 +- 0.065
-}
-
-TEST(Theory, RefusesImpactsOnTheWayUp) {
-  Experiment e = experiment(ConstantRadii{}, 1000, 1);
-  e.impacts.rows[5].v_mps *= -1.0;
-  EXPECT_THROW(probability_transforms(e.impacts, e.config.law, e.q), InvalidArgument);
-}
-
-TEST(Theory, ReservoirFromTheResidualsErrsAsItStates) {
-  const Experiment e = experiment(ConstantRadii{}, 71'378, 600);
-  double w = 0.0, variance = 0.0, square_error = 0.0, error = 0.0, stated = 0.0, n = 0.0;
-  for (std::size_t k = 0; k < e.impacts.rows.size(); ++k) {
-    const Impact& i = e.impacts.rows[k];
-    if (i.impact == 0) w = variance = 0.0;
-    const auto& energy_j = e.impacts.states[k].energy_j;
-    const double off = w - 2.0 * (energy_j[1] + energy_j[2]) / mass_kg(e.config.ball);
-    if (i.impact == 90) {
-      error += off;
-      square_error += off * off;
-      stated += variance;
-      n += 1.0;
-    }
-    const double eps = restitution(e.config.law, i.v_mps), r = i.eps_macro - eps;
-    const Fluctuation fluctuation(e.q, {i.v_mps, eps, restitution_slope(e.config.law, i.v_mps), w});
-    variance += fluctuation.reservoir_sd(r) * fluctuation.reservoir_sd(r);
-    w = fluctuation.reservoir_after(r);
-  }
-  // four standard errors of a mean and of a root mean square of 600 drops, these nearly normal
-  EXPECT_LT(std::abs(error / n), 4.0 * std::sqrt(stated / n / n));
-  EXPECT_NEAR(std::sqrt(square_error / stated), 1.0, 4.0 / std::sqrt(2.0 * n));
 }
 
 TEST(Theory, OfAReleaseWithSpinNeedsItsReservoir) {
@@ -257,6 +182,9 @@ TEST(Theory, RefusesWhatNoDropFromRestDoes) {
   SimulationConfig elastic;
   elastic.law = ConstantLaw{1.0};
   EXPECT_THROW(expected_sides(elastic, 1e-5, 0.5), InvalidArgument);
+  Experiment on_its_way_up = experiment(ConstantRadii{}, 1000, 1);
+  on_its_way_up.impacts.rows[5].v_mps *= -1.0;
+  EXPECT_THROW(probability_transforms(on_its_way_up.impacts, SeriesLaw{}, 1e-5), InvalidArgument);
 }
 
 }  // namespace

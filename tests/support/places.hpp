@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-// Where the tests find what they read and start: absolute paths, in a source of their own, so that what a compiler cache
-// has of all others is good for a clone in another folder too.
+// Where the tests find what they read and start: absolute paths, in a source of their own, so that what a compiler
+// cache has of all others is good for a clone in another folder too.
 
 namespace bouncelab::test {
 

@@ -23,20 +23,11 @@ std::string said_of(const std::string& name, const std::vector<float>& samples) 
 
 class VampBadInput : public testing::TestWithParam<const char*> {};
 
-TEST_P(VampBadInput, SilenceGivesNothingAndALineWhy) {
+TEST_P(VampBadInput, SilenceOrHardlyAnythingGivesNothingAndALineWhy) {
   EXPECT_THAT(said_of(GetParam(), std::vector<float>(48000, 0.0F)),
               HasSubstr("vamp:bouncelab:" + std::string(GetParam()) + ": "));
-}
-
-TEST_P(VampBadInput, NothingAtAllAndAFewSamplesGiveNothing) {
   EXPECT_NE(said_of(GetParam(), {}), "");
   EXPECT_NE(said_of(GetParam(), {0.1F, -0.2F, 0.3F}), "");
-}
-
-TEST_P(VampBadInput, NoiseAloneGivesNothing) {
-  std::vector<float> noise(96000);
-  add_noise(noise, 0.1, 5);
-  EXPECT_NE(said_of(GetParam(), noise), "");
 }
 
 TEST_P(VampBadInput, ASampleThatIsNoNumberIsNamed) {

@@ -89,18 +89,12 @@ TEST_P(VampBlocks, ImpactsAreThoseOfTheDetectorToTheNanosecond) {
   EXPECT_EQ(nanoseconds(features[3][0].timestamp + features[3][0].duration), nanoseconds_of(found.onsets.back().t_s));
 }
 
-INSTANTIATE_TEST_SUITE_P(AsHostsChooseThem, VampBlocks,
-                         testing::Values(std::pair{256, 256}, std::pair{1024, 1024}, std::pair{4096, 4096},
-                                         std::pair{1000, 1024}));
+INSTANTIATE_TEST_SUITE_P(AsHostsChooseThem, VampBlocks, testing::Values(std::pair{256, 256}, std::pair{1000, 1024}));
 
-TEST(VampPlugins, RestitutionIsThatOfTheSamples) {
+TEST(VampPlugins, RestitutionIsThatOfTheSamplesAndCorrectedForDragOfANamedBall) {
   const std::vector<float> sound = drop_of_ball();
-  Features features = features_of("restitution", sound, 1024, 1024);
-  expect_samples(features, fit::restitution_samples(detected(sound).onsets, {}).samples);
-}
-
-TEST(VampPlugins, ANamedBallIsCorrectedForDrag) {
-  const std::vector<float> sound = drop_of_ball();
+  Features of_no_ball = features_of("restitution", sound, 1024, 1024);
+  expect_samples(of_no_ball, fit::restitution_samples(detected(sound).onsets, {}).samples);
   const auto plugin = hosted("restitution", static_cast<float>(kRate_hz));
   const auto kinds = ball_kinds();
   const auto steel = std::find_if(kinds.begin(), kinds.end(), [](const BallKind& k) { return k.name == "steel"; });
@@ -143,24 +137,17 @@ TEST(VampPlugins, TwoAtOnceKeepTheirOwnRecordings) {
   expect_impacts(of_other, detected({other.begin(), other.begin() + static_cast<std::ptrdiff_t>(n)}).onsets);
 }
 
-TEST(VampPlugins, ResetForgetsTheRecordingAndItsBegin) {
+TEST(VampPlugins, ResetForgetsTheRecordingAndItsBeginFromWhichTimesCount) {
   const std::vector<float> sound = drop_of_ball();
-  const auto plugin = hosted("impacts", static_cast<float>(kRate_hz));
-  ASSERT_TRUE(plugin->initialise(1, 1024, 1024));
-  run(*plugin, std::span(sound).first(40000), 1024, 1024, Vamp::RealTime(3, 0));
-  plugin->reset();
-  Features features = run(*plugin, sound, 1024, 1024);
-  expect_impacts(features, detected(sound).onsets);
-}
-
-TEST(VampPlugins, TimesCountFromTheHostsBegin) {
-  const std::vector<float> sound = drop_of_ball();
+  const Onsets onsets = detected(sound).onsets;
   const auto plugin = hosted("impacts", static_cast<float>(kRate_hz));
   ASSERT_TRUE(plugin->initialise(1, 1024, 1024));
   Features features = run(*plugin, sound, 1024, 1024, Vamp::RealTime(7, 125'000'001));
-  const Onsets onsets = detected(sound).onsets;
   ASSERT_EQ(features[0].size(), onsets.size());
   EXPECT_EQ(nanoseconds(features[0][0].timestamp), nanoseconds_of(onsets[0].t_s) + 7'125'000'001);
+  plugin->reset();
+  features = run(*plugin, sound, 1024, 1024);
+  expect_impacts(features, onsets);
 }
 
 }  // namespace

@@ -120,7 +120,7 @@ int print(const std::string& text, int exit_code) {
 
 bool is_taken_by_an_output(const Parameters& parameters) {
   return std::any_of(parameters.begin(), parameters.end(), [](const Parameter& p) {
-    return stages::names_outputs(p) && std::any_of(p.values.begin(), p.values.end(), [](const std::string& value) {
+    return p.is_output && std::any_of(p.values.begin(), p.values.end(), [](const std::string& value) {
              return !value.empty() && is_standard_output(value);
            });
   });

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "bouncelab/core/ball.hpp"
-#include "bouncelab/core/description.hpp"
+#include "stage_options/section.hpp"
 
 namespace bouncelab::options {
 
@@ -17,8 +17,9 @@ struct BallChoice {
 };
 
 /// Options --ball and --plate.
+Description members_of(const BallChoice*);
 /// @param unnamed  what is taken where they are not given; empty: the default says it
-Description ball_options(const std::string& unnamed);
+Section ball_section(BallChoice& choice, std::string_view unnamed = {}, std::vector<std::string> stages = {});
 
 /// The ball that is simulated where none is named: the paper's, on its glass plate.
 inline const BallChoice kPaperBall{"steel:6mm", "glass"};

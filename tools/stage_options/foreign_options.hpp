@@ -15,6 +15,6 @@ struct ForeignFileOptions {
   std::string recording;  ///< that marks belong to; empty: as they say
 };
 /// Without the last two, which are options of convert alone.
-const Description& members_of(const ForeignFileOptions*);
+Description members_of(const ForeignFileOptions*);
 
 }  // namespace bouncelab::options

@@ -19,8 +19,8 @@ struct RestitutionOptions {
   std::string positions;  ///< of the impacts, for the correction of travel times; empty: no correction
   std::vector<double> sensor_m{0.0, 0.0};
 };
-/// All but the files, what they are, and the ball.
-const Description& members_of(const RestitutionOptions*);
+/// All but the files, what they are, the ball, and what `config` has.
+Description members_of(const RestitutionOptions*);
 
 /// With the ball and the plate that were chosen; positions are not read.
 fit::RestitutionConfig with_ball(const RestitutionOptions& options);

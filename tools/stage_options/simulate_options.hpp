@@ -33,7 +33,7 @@ struct SimulateOptions {
   std::string preset;
 };
 /// All but the files and the ball.
-const Description& members_of(const SimulateOptions*);
+Description members_of(const SimulateOptions*);
 
 /// What only a simulation of its own has: first drop, preset, states.
 Section simulation_alone_section(SimulateOptions& options);

@@ -57,69 +57,56 @@ void set_room(const SynthesizeOptions& options, synthesis::Sensor& sensor) {
 
 }  // namespace
 
-const Description& members_of(const SynthesizeOptions*) {
+Description members_of(const SynthesizeOptions*) {
   using O = SynthesizeOptions;
-  static const Description options{
-      member("sensor", &O::sensor, "Sensor").one_of({"piezo", "microphone"}),
-      member("reverberation", &O::reverberation_db,
-             "Of a microphone's room: energy of its tail over that of the direct sound [dB] (default -15)")
+  using C = synthesis::SynthesisConfig;
+  static const std::string hard_cases = hard_case_help();
+  static const Member options[]{
+      member<&O::sensor>("sensor", "Sensor").one_of("piezo,microphone"),
+      member<&O::reverberation_db>(
+          "reverberation",
+          "Of a microphone's room: energy of its tail over that of the direct sound [dB] (default -15)")
           .within(-60.0, 20.0),
-      member("reverberation_time", &O::reverberation_time_s, "The tail falls by 60 dB in this [s] (default 0.25)")
+      member<&O::reverberation_time_s>("reverberation_time", "The tail falls by 60 dB in this [s] (default 0.25)")
           .within(0.02, 5.0),
-      member("channel", &O::channels,
-             "Position X,Y[,Z[,GAIN]] of a sensor from the plate's middle [m]; once for each of up to 8 channels; GAIN "
-             "0 is a dead channel"),
-      member<O>(
-          "rate", [](auto& o) -> auto& { return o.config.rate_hz; }, "Sample rate [Hz]")
-          .within(8000, 2e6),
-      member("bits", &O::bits, "Bits of a sample").one_of({"16", "24", "32", "float"}),
-      member<O>(
-          "snr_db", [](auto& o) -> auto& { return o.config.snr_db; },
-          "Clean peak of the weakest wanted impact over the rms of the noise [dB]")
+      member<&O::channels>(
+          "channel",
+          "Position X,Y[,Z[,GAIN]] of a sensor from the plate's middle [m]; once for each of up to 8 channels; GAIN "
+          "0 is a dead channel"),
+      member<&O::config, &C::rate_hz>("rate", "Sample rate [Hz]").within(8000, 2e6),
+      member<&O::bits>("bits", "Bits of a sample").one_of("16,24,32,float"),
+      member<&O::config, &C::snr_db>("snr_db", "Clean peak of the weakest wanted impact over the rms of the noise [dB]")
           .within(-40.0, 200.0),
-      member<O>(
-          "noise_corner", [](auto& o) -> auto& { return o.config.noise_corner_hz; },
-          "Noise grows like 1/f below this [Hz]; 0: white")
+      member<&O::config, &C::noise_corner_hz>("noise_corner", "Noise grows like 1/f below this [Hz]; 0: white")
           .within(0.0, 1e6),
-      member<O>(
-          "peak", [](auto& o) -> auto& { return o.config.peak; },
-          "Clean peak of the strongest impact, full scale = 1; above 1 it is clipped")
+      member<&O::config, &C::peak>("peak", "Clean peak of the strongest impact, full scale = 1; above 1 it is clipped")
           .within(1e-6, 1e3),
-      member<O>(
-          "lead_in", [](auto& o) -> auto& { return o.config.lead_in_s; }, "Before the first release [s]")
-          .within(0.01, 3600.0),
-      member<O>(
-          "pause", [](auto& o) -> auto& { return o.config.pause_s; }, "After each drop's last impact [s]")
-          .within(0.05, 3600.0),
-      member<O>(
-          "together", [](auto& o) -> auto& { return o.config.together; },
-          "Balls at once: so many drops in turn, each released 0.05 to 0.5 s after the one before")
+      member<&O::config, &C::lead_in_s>("lead_in", "Before the first release [s]").within(0.01, 3600.0),
+      member<&O::config, &C::pause_s>("pause", "After each drop's last impact [s]").within(0.05, 3600.0),
+      member<&O::config, &C::together>(
+          "together", "Balls at once: so many drops in turn, each released 0.05 to 0.5 s after the one before")
           .within(1, 8),
-      member("positions", &O::positions,
-             "Where the ball strikes: as simulated (where the impacts have states) or drawn, one place a drop")
-          .one_of({"simulated", "drawn"}),
-      member<O>(
-          "spread", [](auto& o) -> auto& { return o.config.start_spread_m; },
-          "Drawn positions lie within this of the middle [m]")
+      member<&O::positions>(
+          "positions",
+          "Where the ball strikes: as simulated (where the impacts have states) or drawn, one place a drop")
+          .one_of("simulated,drawn"),
+      member<&O::config, &C::start_spread_m>("spread", "Drawn positions lie within this of the middle [m]")
           .within(0.0, 10.0),
-      member<O>(
-          "max_mode", [](auto& o) -> auto& { return o.config.max_mode_hz; }, "Modes of the ground up to this [Hz]")
-          .within(100.0, 200e3),
-      member<O>(
-          "gain_control", [](auto& o) -> auto& { return o.config.gain_control_db; },
+      member<&O::config, &C::max_mode_hz>("max_mode", "Modes of the ground up to this [Hz]").within(100.0, 200e3),
+      member<&O::config, &C::gain_control_db>(
+          "gain_control",
           "A phone's automatic gain: how far the strongest impact pushes it down, back within 0.3 s [dB]")
           .within(0.0, 40.0),
-      member<O>(
-          "without_ball", [](auto& o) -> auto& { return o.config.without_ball; },
+      member<&O::config, &C::without_ball>(
+          "without_ball",
           "The same recording but for the ball, which makes no sound: whatever is found in it is invented"),
-      member("hard", &O::hard_case, hard_case_help())};
+      member<&O::hard_case>("hard", hard_cases)};
   return options;
 }
 
 Section disturbances_section(SynthesizeOptions& options) {
   synthesis::Disturbances& disturbances = options.config.disturbances;
-  return {"Disturbances (levels in units of the weakest wanted impact's peak)", &members_of(&disturbances),
-          &disturbances};
+  return section_of(disturbances, "Disturbances (levels in units of the weakest wanted impact's peak)");
 }
 
 synthesis::SynthesisConfig synthesis_config(const SynthesizeOptions& options, std::uint64_t seed, int n_threads) {

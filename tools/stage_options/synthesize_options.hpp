@@ -30,7 +30,7 @@ struct SynthesizeOptions {
   std::string codec = "none";  ///< NAME:KBITS through which the sound goes
 };
 /// All but the files, the ball and disturbances.
-const Description& members_of(const SynthesizeOptions*);
+Description members_of(const SynthesizeOptions*);
 Section disturbances_section(SynthesizeOptions& options);
 
 /// The recording that the options describe. @throws InvalidArgument

@@ -130,38 +130,33 @@ Outcome run_calibrate(const CalibrateOptions& options, const Run& run) {
   const fit::CalibrationResult result = fit::calibrate(config, progress_line(run, "calibrate", "seeds"));
   Outcome outcome;
   outcome.text = table_of(result);
-  outcome.result = object_of(members_of(&result), &result);
+  outcome.result = object_of(result);
   return outcome;
 }
 
-const Description& members_of(const CalibrateOptions*) {
+Description members_of(const CalibrateOptions*) {
   using O = CalibrateOptions;
-  static const Description options{
-      member<O>(
-          "samples", [](auto& o) -> auto& { return o.config.n_samples; }, "Samples per seed")
-          .within(100, 1e8),
-      member<O>(
-          "seeds", [](auto& o) -> auto& { return o.config.n_seeds; }, "Seeds")
-          .within(2, 1e6),
-      member<O>(
-          "offset_variance", [](auto& o) -> auto& { return o.config.offset_variance; },
+  static constexpr Member options[]{
+      member<&O::config, &fit::CalibrationConfig::n_samples>("samples", "Samples per seed").within(100, 1e8),
+      member<&O::config, &fit::CalibrationConfig::n_seeds>("seeds", "Seeds").within(2, 1e6),
+      member<&O::config, &fit::CalibrationConfig::offset_variance>(
+          "offset_variance",
           "Mean square offset of the contact point over the ball's radius, each component: sets the scatter")
           .within(1e-9, 1e-3),
-      member<O>(
-          "timing", [](auto& o) -> auto& { return o.config.sigma_eps_at_1mps; },
-          "Timing error of eps at 1 m/s; 8.7e-4 is as wide as the scatter at 0.3 m/s")
+      member<&O::config, &fit::CalibrationConfig::sigma_eps_at_1mps>(
+          "timing", "Timing error of eps at 1 m/s; 8.7e-4 is as wide as the scatter at 0.3 m/s")
           .within(0.0, 1.0),
-      member("memory", &O::memory,
-             "Instead: the fit with memory and its test on simulated experiments, through sound in every second one, "
-             "under conditions drawn at random"),
-      member<O>(
-          "experiments", [](auto& o) -> auto& { return o.with_memory.n_experiments; }, "With --memory: experiments")
+      member<&O::memory>(
+          "memory",
+          "Instead: the fit with memory and its test on simulated experiments, through sound in every second one, "
+          "under conditions drawn at random"),
+      member<&O::with_memory, &loop::MemoryCalibrationConfig::n_experiments>("experiments",
+                                                                             "With --memory: experiments")
           .within(1, 1e5),
-      member("drops", &O::drops, "With --memory: least and largest number of drops, log-uniform between them")
+      member<&O::drops>("drops", "With --memory: least and largest number of drops, log-uniform between them")
           .with_commas("LO,HI", 2, 2)
           .within(1.0, 1e4),
-      member<O>(
-          "impacts", [](auto& o) -> auto& { return o.with_memory.n_impacts; }, "With --memory: impacts of a drop")
+      member<&O::with_memory, &loop::MemoryCalibrationConfig::n_impacts>("impacts", "With --memory: impacts of a drop")
           .within(12, 1000)};
   return options;
 }

@@ -18,7 +18,7 @@ struct CalibrateOptions {
   std::string out;                        ///< table of experiments; empty: none
 };
 /// All but the file.
-const Description& members_of(const CalibrateOptions*);
+Description members_of(const CalibrateOptions*);
 /// @throws InvalidArgument where options of the two kinds of calibration are given together
 void check_calibrate_options(const CalibrateOptions& options, const Given& given);
 

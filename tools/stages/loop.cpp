@@ -162,17 +162,17 @@ Outcome run_through_files(const LoopOptions& options, const Run& run) {
 
 std::vector<Section> loop_sections(LoopOptions& options) {
   using O = LoopOptions;
-  static const Description own{
-      member("preset", &O::preset,
-             "quick: 40 drops of the paper's ball, 96 kHz, noise at 30 dB, every stage on files.\n"
-             "paper: 2,320 drops of 95 impacts, through memory")
-          .one_of({"quick", "paper"}),
-      member("out", &O::out, "Folder for every file of the run").looks_like("FOLDER").required(),
-      member("keep_sound", &O::keep_sound, "paper: keep the sound too, DIR/sound/*.flac, 3 MB a drop"),
-      member("no_memory", &O::without_memory,
-             "paper: without the fits with memory, which take three quarters of the time")};
+  static constexpr Member own[]{
+      member<&O::preset>("preset",
+                         "quick: 40 drops of the paper's ball, 96 kHz, noise at 30 dB, every stage on files.\n"
+                         "paper: 2,320 drops of 95 impacts, through memory")
+          .one_of("quick,paper"),
+      member<&O::out>("out", "Folder for every file of the run").writes("FOLDER").required(),
+      member<&O::keep_sound>("keep_sound", "paper: keep the sound too, DIR/sound/*.flac, 3 MB a drop"),
+      member<&O::without_memory>("no_memory",
+                                 "paper: without the fits with memory, which take three quarters of the time")};
   std::vector<Section> sections = scene_sections(options.world, options.simulate, options.synthesize);
-  sections.insert(sections.begin(), {"", &own, &options});
+  sections.insert(sections.begin(), {"", own, &options});
   return sections;
 }
 

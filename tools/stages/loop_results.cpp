@@ -95,7 +95,7 @@ Object loop_summary(const loop::LoopScore& score, const SecondsByStage& seconds,
                     const std::vector<std::string>& warnings, const std::optional<loop::ScatterTheory>& theory,
                     const std::optional<loop::ReservoirCheck>& reservoir, const sim::BallSection& ball,
                     const std::optional<LoopWork>& work) {
-  Object summary = object_of(members_of(&score), &score);
+  Object summary = object_of(score);
   if (theory) summary.emplace_back("theory", value_of(*theory));
   if (reservoir) summary.emplace_back("reservoir", value_of(*reservoir));
   if (ball.n_asperities > 0) summary.emplace_back("ball", value_of(ball));

@@ -94,7 +94,7 @@ std::string text_of(const fit::RestitutionCounts& counts, const fit::Restitution
 }
 
 Object summary_of(const fit::RestitutionCounts& counts, const fit::RestitutionConfig& config) {
-  Object summary = object_of(members_of(&counts), &counts);
+  Object summary = object_of(counts);
   summary.emplace_back("ball", value_of(config.ball));
   summary.emplace_back("plate", value_of(config.plate));
   return summary;

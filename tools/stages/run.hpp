@@ -27,16 +27,15 @@ struct CommonOptions {
   bool quiet = false;
   bool force = false;
 };
-const Description& members_of(const CommonOptions*);
+Description members_of(const CommonOptions*);
 
 /// An option with the values in force.
 struct Parameter {
   std::string name;  ///< without dashes in front
   std::vector<std::string> values;
+  bool is_output = false;  ///< they are files or folders that are written
 };
 using Parameters = std::vector<Parameter>;
-/// Whether the values of an option are files that are written.
-bool names_outputs(const Parameter& parameter);
 
 /// The texts of each option that was given, on the command line or in the configuration file, by its name.
 using Given = std::map<std::string, std::vector<std::string>>;

@@ -56,7 +56,7 @@ sim::Surface surface_of(const SimulateOptions& options, const sim::SimulationCon
 }
 
 Object summary_of(const sim::SimulationResult& result, const Ball& ball) {
-  Object summary = object_of(members_of(&result), &result);
+  Object summary = object_of(result);
   summary.emplace_back("ball", value_of(ball));
   return summary;
 }

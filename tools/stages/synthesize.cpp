@@ -260,21 +260,19 @@ synthesis::SynthesisResult each_drop(const SynthesizeOptions& options, const syn
 }  // namespace
 
 std::vector<Section> scene_sections(BallChoice& world, SimulateOptions& simulate, SynthesizeOptions& synthesize) {
-  static const Description ball = ball_options("");
   Section disturbances = disturbances_section(synthesize);
   disturbances.stages = {"synthesize"};
-  return {{"", &ball, &world, {"simulate", "synthesize"}},
-          {"Ball, ground and drops", &members_of(&simulate), &simulate, {"simulate"}},
-          {"Sound", &members_of(&synthesize), &synthesize, {"synthesize"}},
+  return {ball_section(world, "", {"simulate", "synthesize"}),
+          section_of(simulate, "Ball, ground and drops", {"simulate"}), section_of(synthesize, "Sound", {"synthesize"}),
           disturbances};
 }
 
-const Description& codec_option() {
-  static const Description option{
-      member("codec", &SynthesizeOptions::codec,
-             "What is left of the sound by aac, mp3, opus or vorbis, by ffmpeg: aac:64 for 64 kbit/s")
+Section codec_section(SynthesizeOptions& options, std::vector<std::string> stages) {
+  static constexpr Member option[]{
+      member<&SynthesizeOptions::codec>(
+          "codec", "What is left of the sound by aac, mp3, opus or vorbis, by ffmpeg: aac:64 for 64 kbit/s")
           .looks_like("NAME:KBITS")};
-  return option;
+  return {"", option, &options, std::move(stages)};
 }
 
 Outcome run_synthesize(const SynthesizeOptions& options, const Run& run) {
@@ -299,7 +297,7 @@ Outcome run_synthesize(const SynthesizeOptions& options, const Run& run) {
 
   Outcome outcome;
   outcome.warnings = result.warnings;
-  outcome.result = object_of(members_of(&result), &result);
+  outcome.result = object_of(result);
   outcome.result.emplace_back("ball", value_of(config.ball));
   outcome.result.emplace_back("plate", value_of(contact_material(config.ground)));
   outcome.text =

@@ -14,7 +14,7 @@ namespace bouncelab::stages {
 /// Ball, drops, sound and disturbances of a run that simulates and synthesizes.
 std::vector<Section> scene_sections(BallChoice& world, SimulateOptions& simulate, SynthesizeOptions& synthesize);
 /// Option --codec, which needs files.
-const Description& codec_option();
+Section codec_section(SynthesizeOptions& options, std::vector<std::string> stages = {});
 
 /// Reads options.impacts, writes options.out, the truth, and OUT.others.csv where there are sounds of other things.
 Outcome run_synthesize(const SynthesizeOptions& options, const Run& run);

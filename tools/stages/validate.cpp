@@ -31,7 +31,7 @@ Outcome run_marks(const ValidateOptions& options) {
   std::stable_sort(marks.begin(), marks.end(), [](const Onset& a, const Onset& b) { return a.t_s < b.t_s; });
   const loop::DetectorScore score = score_of(truth, marks, 0.0, 0.0, options.annotated_only);
   Outcome outcome;
-  outcome.result = object_of(members_of(&score), &score);
+  outcome.result = object_of(score);
   outcome.text = heading("") + line_of(fs::path(options.marks).filename().string(), score);
   outcome.warnings = says;
   return outcome;
@@ -74,32 +74,35 @@ void check_usage(const ValidateOptions& options, const Run& run) {
 
 std::vector<Section> validate_sections(ValidateOptions& options) {
   using O = ValidateOptions;
-  static const Description own{
-      member("detector", &O::detectors,
-             "Command that prints the times of onsets [s], one a line (a second number on the line: its standard "
-             "error); {wav} stands for the recording, {out} for a file that it writes instead. builtin is bouncelab's"),
-      member("out", &O::out, "Folder for scores.csv, validation.json, report.html, and the recordings")
-          .looks_like("FOLDER"),
-      member("recordings", &O::recordings,
-             "Recordings that there are, or folders of them, in place of synthesized ones"),
-      member("truth", &O::truth,
-             "True times: of --recordings the folder with NAME.truth.csv or marks NAME.* of each, of --marks a file")
+  static constexpr Member own[]{
+      member<&O::detectors>(
+          "detector",
+          "Command that prints the times of onsets [s], one a line (a second number on the line: its standard "
+          "error); {wav} stands for the recording, {out} for a file that it writes instead. builtin is bouncelab's"),
+      member<&O::out>("out", "Folder for scores.csv, validation.json, report.html, and the recordings")
+          .writes("FOLDER"),
+      member<&O::recordings>("recordings",
+                             "Recordings that there are, or folders of them, in place of synthesized ones"),
+      member<&O::truth>(
+          "truth",
+          "True times: of --recordings the folder with NAME.truth.csv or marks NAME.* of each, of --marks a file")
           .looks_like("FILE"),
-      member("marks", &O::marks, "Times that exist already, to be scored against --truth").looks_like("FILE"),
-      member("time_limit", &O::time_limit_s, "For a detector on one recording [s]").within(0.1, 86400.0),
-      member("shell", &O::shell, "Commands are run by sh"),
-      member("offset_only", &O::offset_only,
-             "Errors less their offset alone: not less a + b v^(-1/5), where in the contact an onset is marked"),
-      member("annotated_only", &O::annotated_only,
-             "Marks more than 5 ms before the first or after the last true time are not counted")};
+      member<&O::marks>("marks", "Times that exist already, to be scored against --truth").looks_like("FILE"),
+      member<&O::time_limit_s>("time_limit", "For a detector on one recording [s]").within(0.1, 86400.0),
+      member<&O::shell>("shell", "Commands are run by sh"),
+      member<&O::offset_only>(
+          "offset_only",
+          "Errors less their offset alone: not less a + b v^(-1/5), where in the contact an onset is marked"),
+      member<&O::annotated_only>("annotated_only",
+                                 "Marks more than 5 ms before the first or after the last true time are not counted")};
   std::vector<Section> sections = scene_sections(options);
-  sections.insert(sections.begin(), {"", &own, &options});
+  sections.insert(sections.begin(), {"", own, &options});
   return sections;
 }
 
 std::vector<Section> scene_sections(ValidateOptions& options) {
   std::vector<Section> sections = scene_sections(options.world, options.simulate, options.synthesize);
-  sections.push_back({"", &codec_option(), &options.synthesize, {"synthesize"}});
+  sections.push_back(codec_section(options.synthesize, {"synthesize"}));
   return sections;
 }
 

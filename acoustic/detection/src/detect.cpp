@@ -298,19 +298,19 @@ std::vector<std::size_t> largest_first(const std::vector<std::filesystem::path>&
 
 }  // namespace
 
-const Description& members_of(const DetectionConfig*) {
+Description members_of(const DetectionConfig*) {
   using C = DetectionConfig;
-  static const Description options{
-      member("channel", &C::channel, "Channel, from 0; -1 = the one in which impacts are detected best")
+  static constexpr Member options[]{
+      member<&C::channel>("channel", "Channel, from 0; -1 = the one in which impacts are detected best")
           .within(-1, 1023)
           .unknown_as("-1"),
-      member("track", &C::track, "Track of sound in a video, from 0; -1 = the one in which a ball is heard best")
+      member<&C::track>("track", "Track of sound in a video, from 0; -1 = the one in which a ball is heard best")
           .within(-1, 1023)
           .unknown_as("-1"),
-      member("rate", &C::rate_hz, "Sampling rate [Hz] of numbers (.npy, .csv) that come without times; 0 = none")
+      member<&C::rate_hz>("rate", "Sampling rate [Hz] of numbers (.npy, .csv) that come without times; 0 = none")
           .within(0.0, kMaxRate_hz)
           .unknown_as("0"),
-      member("min_impacts", &C::min_impacts, "Drops of fewer impacts are left out").within(3, 1'000'000)};
+      member<&C::min_impacts>("min_impacts", "Drops of fewer impacts are left out").within(3, 1'000'000)};
   return options;
 }
 

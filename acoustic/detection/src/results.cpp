@@ -67,120 +67,121 @@ const char* to_string(DetectionStatus status) {
   return "?";
 }
 
-const Description& members_of(const DropSummary*) {
+Description members_of(const DropSummary*) {
   using D = DropSummary;
-  static const Description all{result("begin_s", &D::begin_s, "Time of its first impact"),
-                               result("n_impacts", &D::n_impacts, "Impacts found"),
-                               result("odds", &D::odds, "That it is a ball against rhythms and other sounds, 1 to 10⁶"),
-                               result<D>("probability", &D::probability, "odds/(1 + odds)"),
-                               result<D>("doubtful", &D::is_doubtful, "Odds below 10")};
+  static constexpr Member all[]{
+      member<&D::begin_s>("begin_s", "Time of its first impact"), member<&D::n_impacts>("n_impacts", "Impacts found"),
+      member<&D::odds>("odds", "That it is a ball against rhythms and other sounds, 1 to 10⁶"),
+      member<&D::probability>("probability", "odds/(1 + odds)"), member<&D::is_doubtful>("doubtful", "Odds below 10")};
   return all;
 }
 
-const Description& members_of(const RecordingSummary*) {
+Description members_of(const RecordingSummary*) {
   using S = RecordingSummary;
-  static const Description all{
-      result("n_drops", &S::n_drops, "Drops found"),
-      result("n_candidates", &S::n_candidates, "Rises of the variance, impacts or not"),
-      result("format", &S::format, "Container and encoding, in words"),
-      result<S>(
+  static constexpr Member all[]{
+      member<&S::n_drops>("n_drops", "Drops found"),
+      member<&S::n_candidates>("n_candidates", "Rises of the variance, impacts or not"),
+      member<&S::format>("format", "Container and encoding, in words"),
+      computed(
           "lossy_coding", [](const S& s) { return if_any(s.lossy_coding); },
           "`MP3`, `AAC` ...: its times may be off by more than stated; `null` where it loses nothing"),
-      result<S>(
+      computed(
           "ffmpeg", [](const S& s) { return if_any(s.ffmpeg); }, "Version of the ffmpeg that decoded it"),
-      result("n_tracks", &S::n_tracks, "Tracks of sound in the file"),
-      result("track", &S::track, "The one used"),
-      result("n_gaps", &S::n_gaps, "Gaps of the container's time stamps, in which there is no sound"),
-      result("rate_hz", &S::rate_hz, "Sampling rate"),
-      result("n_channels", &S::n_channels, "Channels"),
-      result("channel", &S::channel, "The one used"),
-      result("channel_reason", &S::channel_reason, "Why that one, in words"),
-      result("duration_s", &S::duration_s, "Length"),
-      result("noise_rms", &S::noise_rms, "Of the quiet parts, full scale = 1"),
-      result("eps_median", &S::restitution_median, "Median of T_{k+1} / T_k over all drops"),
-      result("contact_time_at_1_mps_s", &S::contact_time_at_1_mps_s,
-             "τ₁ of τ = τ₁ v^(-1/5), by which the times were moved to the start of contact; `null` where it is not "
-             "significant at 4 sigma"),
-      result("contact_time_sigma_s", &S::contact_time_sigma_s,
-             "Standard error d of the τ₁ used: all times of a drop share an error of d (v^(-1/5) - const) / 2; `null` "
-             "where no time was moved")};
+      member<&S::n_tracks>("n_tracks", "Tracks of sound in the file"),
+      member<&S::track>("track", "The one used"),
+      member<&S::n_gaps>("n_gaps", "Gaps of the container's time stamps, in which there is no sound"),
+      member<&S::rate_hz>("rate_hz", "Sampling rate"),
+      member<&S::n_channels>("n_channels", "Channels"),
+      member<&S::channel>("channel", "The one used"),
+      member<&S::channel_reason>("channel_reason", "Why that one, in words"),
+      member<&S::duration_s>("duration_s", "Length"),
+      member<&S::noise_rms>("noise_rms", "Of the quiet parts, full scale = 1"),
+      member<&S::restitution_median>("eps_median", "Median of T_{k+1} / T_k over all drops"),
+      member<&S::contact_time_at_1_mps_s>(
+          "contact_time_at_1_mps_s",
+          "τ₁ of τ = τ₁ v^(-1/5), by which the times were moved to the start of contact; `null` where it is not "
+          "significant at 4 sigma"),
+      member<&S::contact_time_sigma_s>(
+          "contact_time_sigma_s",
+          "Standard error d of the τ₁ used: all times of a drop share an error of d (v^(-1/5) - const) / 2; `null` "
+          "where no time was moved")};
   return all;
 }
 
-const Description& members_of(const RecordingDetection*) {
+Description members_of(const RecordingDetection*) {
   using R = RecordingDetection;
-  static const Description all{
-      result<R>(
+  static constexpr Member all[]{
+      computed(
           "recording", [](const R& r) { return input_name(r.recording); }, "As it was given"),
-      result("status", path(&R::found, &Detection::status), "`ok`, `too_few_impacts`, `silent` or `unreadable`"),
-      result("message", path(&R::found, &Detection::message), "What was found, or why not"),
-      result("n_onsets", &R::n_onsets, "Impacts found"),
-      result("drops", path(&R::found, &Detection::drops), "`[{begin_s, n_impacts, odds, probability, doubtful}]`"),
-      result<R>(
+      member<&R::found, &Detection::status>("status", "`ok`, `too_few_impacts`, `silent` or `unreadable`"),
+      member<&R::found, &Detection::message>("message", "What was found, or why not"),
+      member<&R::n_onsets>("n_onsets", "Impacts found"),
+      member<&R::found, &Detection::drops>("drops", "`[{begin_s, n_impacts, odds, probability, doubtful}]`"),
+      computed(
           "", [](const R& r) { return std::get<Object>(value_of(r.found.summary)); }, "Of the recording"),
-      result("warnings", path(&R::found, &Detection::warnings), "Texts")};
+      member<&R::found, &Detection::warnings>("warnings", "Texts")};
   return all;
 }
 
-const Description& members_of(const LearnedWave*) {
+Description members_of(const LearnedWave*) {
   using W = LearnedWave;
-  static const Description all{result("t0_s", &W::t0_s, "Time of the first sample from the start of contact"),
-                               result("dt_s", &W::dt_s, "Between samples"),
-                               result("mean", &W::mean, "Of impacts scaled to the strongest"),
-                               result("spread", &W::spread, "Standard deviation from impact to impact"),
-                               result("n_impacts", &W::n_impacts, "That it is the mean of")};
+  static constexpr Member all[]{member<&W::t0_s>("t0_s", "Time of the first sample from the start of contact"),
+                                member<&W::dt_s>("dt_s", "Between samples"),
+                                member<&W::mean>("mean", "Of impacts scaled to the strongest"),
+                                member<&W::spread>("spread", "Standard deviation from impact to impact"),
+                                member<&W::n_impacts>("n_impacts", "That it is the mean of")};
   return all;
 }
 
-const Description& members_of(const NoiseSpectrum*) {
-  static const Description all{result("frequency_hz", &NoiseSpectrum::frequency_hz, "Frequencies"),
-                               result("psd", &NoiseSpectrum::psd, "Power spectral density, in 1/Hz")};
+Description members_of(const NoiseSpectrum*) {
+  static constexpr Member all[]{member<&NoiseSpectrum::frequency_hz>("frequency_hz", "Frequencies"),
+                                member<&NoiseSpectrum::psd>("psd", "Power spectral density, in 1/Hz")};
   return all;
 }
 
-const Description& members_of(const WaveExcerpt::Mark*) {
+Description members_of(const WaveExcerpt::Mark*) {
   using M = WaveExcerpt::Mark;
-  static const Description all{result("t_s", &M::t_s, "Time"), result("sigma_t_s", &M::sigma_t_s, "Its error"),
-                               result("impact", &M::impact, "Number of the impact")};
+  static constexpr Member all[]{member<&M::t_s>("t_s", "Time"), member<&M::sigma_t_s>("sigma_t_s", "Its error"),
+                                member<&M::impact>("impact", "Number of the impact")};
   return all;
 }
 
-const Description& members_of(const WaveExcerpt*) {
+Description members_of(const WaveExcerpt*) {
   using E = WaveExcerpt;
-  static const Description all{
-      result("title", &E::title, "In words"), result("t0_s", &E::t0_s, "Time of the first sample"),
-      result("dt_s", &E::dt_s, "Between samples"), result("samples", &E::samples, "Full scale = 1"),
-      result("marks", &E::marks, "`[{t_s, sigma_t_s, impact}]`")};
+  static constexpr Member all[]{
+      member<&E::title>("title", "In words"), member<&E::t0_s>("t0_s", "Time of the first sample"),
+      member<&E::dt_s>("dt_s", "Between samples"), member<&E::samples>("samples", "Full scale = 1"),
+      member<&E::marks>("marks", "`[{t_s, sigma_t_s, impact}]`")};
   return all;
 }
 
-const Description& members_of(const ListeningCopy*) {
+Description members_of(const ListeningCopy*) {
   using C = ListeningCopy;
-  static const Description all{
-      result("t0_s", &C::t0_s, "Time of its first sample"),
-      result<C>(
+  static constexpr Member all[]{
+      member<&C::t0_s>("t0_s", "Time of its first sample"),
+      computed(
           "duration_s", [](const C& c) { return static_cast<double>(c.samples.size()) / c.rate_hz; }, "Length"),
-      result<C>(
+      computed(
           "wav_base64", [](const C& c) { return base64(wav_file(c)); },
           "WAV, 16 bit, at most 24 kHz, peak at 0.9, from half a second before the first mark to half a second "
           "after the last, at most 30 s")};
   return all;
 }
 
-const Description& members_of(const WavePreview*) {
+Description members_of(const WavePreview*) {
   using W = WavePreview;
-  static const Description all{
-      result("recording", &W::recording, "As it was given"),
-      result("rate_hz", &W::rate_hz, "Sampling rate"),
-      result("channel", &W::channel, "The one used"),
-      result("duration_s", &W::duration_s, "Length"),
-      result<W>(
+  static constexpr Member all[]{
+      member<&W::recording>("recording", "As it was given"),
+      member<&W::rate_hz>("rate_hz", "Sampling rate"),
+      member<&W::channel>("channel", "The one used"),
+      member<&W::duration_s>("duration_s", "Length"),
+      computed(
           "envelope",
           [](const W& w) {
             return Object{{"t_s", w.column_t_s}, {"lo", w.lo}, {"hi", w.hi}};
           },
           "`t_s`, `lo`, `hi`: extremes of about 2,000 columns, full scale = 1"),
-      result<W>(
+      computed(
           "marks",
           [](const W& w) {
             Values marks;
@@ -190,26 +191,26 @@ const Description& members_of(const WavePreview*) {
             return marks;
           },
           "`[{t_s, drop, impact, flags}]`"),
-      result("excerpts", &W::excerpts, "3 ms before to 8 ms after four impacts"),
-      result<W>(
+      member<&W::excerpts>("excerpts", "3 ms before to 8 ms after four impacts"),
+      computed(
           "sound", [](const W& w) { return w.copy.samples.empty() ? std::nullopt : std::optional(w.copy); },
           "`null`, or the recording to be listened to")};
   return all;
 }
 
-const Description& members_of(const OnsetScore*) {
+Description members_of(const OnsetScore*) {
   using S = OnsetScore;
-  static const Description all{
-      result("n_impacts", &S::n_true, "True impacts"),
-      result("n_found", &S::n_found, "Detected, one to one within a tolerance"),
-      result("n_missed", &S::n_missed, "True impacts without"),
-      result("n_invented", &S::n_invented, "Detected impacts without a true one"),
-      result("time_rms_s", &S::rms_s, "Rms error about the offset").left_out_where_unknown(),
-      result("time_rms_within_drops_s", &S::rms_within_drops_s, "The same with each drop's median error removed")
+  static constexpr Member all[]{
+      member<&S::n_true>("n_impacts", "True impacts"),
+      member<&S::n_found>("n_found", "Detected, one to one within a tolerance"),
+      member<&S::n_missed>("n_missed", "True impacts without"),
+      member<&S::n_invented>("n_invented", "Detected impacts without a true one"),
+      member<&S::rms_s>("time_rms_s", "Rms error about the offset").left_out_where_unknown(),
+      member<&S::rms_within_drops_s>("time_rms_within_drops_s", "The same with each drop's median error removed")
           .left_out_where_unknown(),
-      result("time_offset_s", &S::offset_s, "Median of detected minus true time (intervals do not see it)")
+      member<&S::offset_s>("time_offset_s", "Median of detected minus true time (intervals do not see it)")
           .left_out_where_unknown(),
-      result("time_pull_sd", &S::pull_sd, "Root of χ²/ndf of the errors over `sigma_t_s`; 1 for honest standard errors")
+      member<&S::pull_sd>("time_pull_sd", "Root of χ²/ndf of the errors over `sigma_t_s`; 1 for honest standard errors")
           .left_out_where_unknown()};
   return all;
 }

@@ -6,16 +6,19 @@
 namespace bouncelab {
 namespace {
 
+std::optional<double> if_known(const Material& m, double number) {
+  return m.youngs_modulus_pa > 0.0 ? std::optional(number) : std::nullopt;
+}
+
 Object numbers_of(const Material& material) {
   using M = Material;
-  const auto if_known = [](double M::*number) {
-    return [number](const M& m) { return m.youngs_modulus_pa > 0.0 ? std::optional(m.*number) : std::nullopt; };
-  };
-  static const Description numbers{
-      result("density_kgpm3", &M::density_kgpm3, "Mean density"),
-      result<M>("youngs_modulus_pa", if_known(&M::youngs_modulus_pa), "E; `null`: not known"),
-      result<M>("poisson_ratio", if_known(&M::poisson_ratio), "Likewise"),
-      result("hertzian", &M::hertzian, "Whether Hertz's theory gives the contact time")};
+  static constexpr Member numbers[]{
+      member<&M::density_kgpm3>("density_kgpm3", "Mean density"),
+      computed(
+          "youngs_modulus_pa", [](const M& m) { return if_known(m, m.youngs_modulus_pa); }, "E; `null`: not known"),
+      computed(
+          "poisson_ratio", [](const M& m) { return if_known(m, m.poisson_ratio); }, "Likewise"),
+      member<&M::hertzian>("hertzian", "Whether Hertz's theory gives the contact time")};
   return object_of(numbers, &material);
 }
 
@@ -27,51 +30,50 @@ std::optional<Ball> ball_of(const BallKind& kind) {
 
 }  // namespace
 
-const Description& members_of(const Ball*) {
+Description members_of(const Ball*) {
   using B = Ball;
-  static const Description all{result<B>(
-                                   "name", [](const B& b) { return to_text(b); }, "Its shortest description"),
-                               result("radius_m", &B::radius_m, "Radius"),
-                               result<B>("mass_kg", mass_kg, "Mass"),
-                               result("inertia_factor", &B::inertia_factor, "J/(m R²)"),
-                               result<B>(
-                                   "", [](const B& b) { return numbers_of(b.material); }, "Its material"),
-                               result("contact_time_s", &B::contact_time_s, "As measured; `null`: by Hertz")};
+  static constexpr Member all[]{computed(
+                                    "name", [](const B& b) { return to_text(b); }, "Its shortest description"),
+                                member<&B::radius_m>("radius_m", "Radius"),
+                                member<mass_kg>("mass_kg", "Mass"),
+                                member<&B::inertia_factor>("inertia_factor", "J/(m R²)"),
+                                computed(
+                                    "", [](const B& b) { return numbers_of(b.material); }, "Its material"),
+                                member<&B::contact_time_s>("contact_time_s", "As measured; `null`: by Hertz")};
   return all;
 }
 
-const Description& members_of(const Material*) {
-  using M = Material;
-  static const Description all{result<M>("name", plate_text, "Its shortest description"),
-                               result<M>("", numbers_of, "Its numbers")};
+Description members_of(const Material*) {
+  static constexpr Member all[]{member<plate_text>("name", "Its shortest description"),
+                                member<numbers_of>("", "Its numbers")};
   return all;
 }
 
-const Description& members_of(const BallKind*) {
+Description members_of(const BallKind*) {
   using K = BallKind;
-  static const Description all{
-      result("name", &K::name, "On the command line"),
-      result("what", &K::what, "In words"),
-      result<K>(
+  static constexpr Member all[]{
+      member<&K::name>("name", "On the command line"),
+      member<&K::what>("what", "In words"),
+      computed(
           "radius_m", [](const K& k) { return ball_of(k) ? std::optional(ball_of(k)->radius_m) : std::nullopt; },
           "`null`: a material, of any size"),
-      result<K>(
+      computed(
           "mass_kg", [](const K& k) { return ball_of(k) ? std::optional(mass_kg(*ball_of(k))) : std::nullopt; },
           "Likewise"),
-      result("inertia_factor", &K::inertia_factor, "J/(m R²)"),
-      result<K>(
+      member<&K::inertia_factor>("inertia_factor", "J/(m R²)"),
+      computed(
           "", [](const K& k) { return numbers_of(k.material); }, "Its material"),
-      result("source", &K::source, "Where the numbers are from")};
+      member<&K::source>("source", "Where the numbers are from")};
   return all;
 }
 
-const Description& members_of(const PlateKind*) {
+Description members_of(const PlateKind*) {
   using K = PlateKind;
-  static const Description all{result("name", &K::name, "On the command line"), result("what", &K::what, "In words"),
-                               result<K>(
-                                   "", [](const K& k) { return numbers_of(k.material); }, "Its material"),
-                               result("loss_factor", &K::loss_factor, "Of the bending vibrations that make the sound"),
-                               result("source", &K::source, "Where the numbers are from")};
+  static constexpr Member all[]{member<&K::name>("name", "On the command line"), member<&K::what>("what", "In words"),
+                                computed(
+                                    "", [](const K& k) { return numbers_of(k.material); }, "Its material"),
+                                member<&K::loss_factor>("loss_factor", "Of the bending vibrations that make the sound"),
+                                member<&K::source>("source", "Where the numbers are from")};
   return all;
 }
 

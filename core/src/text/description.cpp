@@ -59,7 +59,7 @@ T number(const Member& member, const std::string& text) {
                                                                 " to " + number_text(std::numeric_limits<T>::max())));
 }
 
-std::vector<std::string> between_commas(const std::string& text) {
+std::vector<std::string> between_commas(std::string_view text) {
   std::vector<std::string> parts{""};
   for (const char c : text) {
     if (c == ',')
@@ -78,7 +78,7 @@ std::vector<double> list_with_commas(const Member& member, const std::string& te
   if (values.size() != parts.size() || values.size() < member.n_least || values.size() > member.n_most)
     refuse(text, number_text(member.n_least) +
                      (member.n_least == member.n_most ? "" : " or " + number_text(member.n_most)) +
-                     " finite decimal numbers, " + member.form);
+                     " finite decimal numbers, " + std::string(member.form));
   for (const double value : values)
     if (!(value >= member.least && value <= member.greatest)) refuse(text, "numbers from " + range_of(member));
   return values;
@@ -86,64 +86,20 @@ std::vector<double> list_with_commas(const Member& member, const std::string& te
 
 std::string checked(const Member& member, const std::string& text) {
   if (member.check) member.check(text);
-  if (member.choices.empty() || std::find(member.choices.begin(), member.choices.end(), text) != member.choices.end())
-    return text;
+  const std::vector<std::string> choices = choices_of(member);
+  if (choices.empty() || std::find(choices.begin(), choices.end(), text) != choices.end()) return text;
   std::string all;
-  for (const std::string& choice : member.choices) {
-    if (!all.empty()) all += ", ";
-    all += choice;
-  }
+  for (const std::string& choice : choices) all += (all.empty() ? "" : ", ") + choice;
   refuse(text, "one of " + all);
 }
 
 }  // namespace
 
-Member&& Member::within(double lo, double hi) && {
-  least = lo;
-  greatest = hi;
-  return std::move(*this);
-}
-Member&& Member::one_of(std::vector<std::string> names) && {
-  choices = std::move(names);
-  return std::move(*this);
-}
-Member&& Member::looks_like(std::string how) && {
-  form = std::move(how);
-  return std::move(*this);
-}
-Member&& Member::with_commas(std::string how, std::size_t least_number, std::size_t most_number) && {
-  form = std::move(how);
-  n_least = least_number;
-  n_most = most_number;
-  return std::move(*this);
-}
-Member&& Member::checked_by(std::function<void(const std::string&)> accepts) && {
-  check = std::move(accepts);
-  return std::move(*this);
-}
-Member&& Member::unknown_as(std::string what) && {
-  unknown_text = std::move(what);
-  return std::move(*this);
-}
-Member&& Member::required() && {
-  is_required = true;
-  return std::move(*this);
-}
-Member&& Member::positional() && {
-  is_positional = true;
-  return std::move(*this);
-}
-
-Member&& Member::left_out_where_unknown() && {
-  is_left_out = true;
-  return std::move(*this);
-}
-
 void append(Object& all, Object more) {
   for (auto& named : more) all.push_back(std::move(named));
 }
 
-Object object_of(const Description& description, const void* object) {
+Object object_of(Description description, const void* object) {
   Object all;
   for (const Member& member : description) {
     Value value = member.get(object);
@@ -223,7 +179,7 @@ std::string text_of(const Value& value) {
 
 std::string default_text(const Member& member, const void* object) {
   const Value value = member.get(object);
-  return std::holds_alternative<std::monostate>(value) ? member.unknown_text : text_of(value);
+  return std::holds_alternative<std::monostate>(value) ? std::string(member.unknown_text) : text_of(value);
 }
 
 std::string range_of(const Member& member) {
@@ -240,8 +196,12 @@ bool is_repeated(const Member& member) {
          (member.kind == Kind::reals && member.n_most == 0);
 }
 
+std::vector<std::string> choices_of(const Member& member) {
+  return member.choices.empty() ? std::vector<std::string>{} : between_commas(member.choices);
+}
+
 std::string option_name(const Member& member) {
-  std::string name = member.name;
+  std::string name(member.name);
   std::replace(name.begin(), name.end(), '_', '-');
   return name;
 }

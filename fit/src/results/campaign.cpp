@@ -13,190 +13,198 @@ namespace {
 
 Object pooled_law(const BetweenRecordings& between) {
   using B = BetweenRecordings;
-  static const Description law{result("kind", &B::kind, "As of a law"), estimates_by_name<B>(),
-                               result("correlation", &B::correlation, "As of a law"),
-                               result("nodes", &B::nodes, "As of a law"),
-                               result<B>(
-                                   "curve",
-                                   [](const B& b) {
-                                     Values points;
-                                     for (std::size_t k = 0; k < b.curve.size(); ++k) {
-                                       Object point = object_of(members_of(&b.curve[k]), &b.curve[k]);
-                                       point.emplace_back("prediction95", as_value(b.curve_prediction95[k]));
-                                       points.push_back(std::move(point));
-                                     }
-                                     return points;
-                                   },
-                                   "As of a law, with the interval in which one more recording is expected")};
+  static constexpr Member law[]{member<&B::kind>("kind", "As of a law"), estimates_by_name<B>(),
+                                member<&B::correlation>("correlation", "As of a law"),
+                                member<&B::nodes>("nodes", "As of a law"),
+                                computed(
+                                    "curve",
+                                    [](const B& b) {
+                                      Values points;
+                                      for (std::size_t k = 0; k < b.curve.size(); ++k) {
+                                        Object point = object_of(b.curve[k]);
+                                        point.emplace_back("prediction95", as_value(b.curve_prediction95[k]));
+                                        points.push_back(std::move(point));
+                                      }
+                                      return points;
+                                    },
+                                    "As of a law, with the interval in which one more recording is expected")};
   return object_of(law, &between);
+}
+
+std::optional<ChiSquareTest> shapes_where_tested(const BetweenRecordings& b) {
+  return b.shapes.ndf > 0.0 ? std::optional(b.shapes) : std::nullopt;
 }
 
 }  // namespace
 
-const Description& members_of(const StandardDeviation*) {
-  static const Description all{result("value", &StandardDeviation::value, "Standard deviation"),
-                               result("ci95", &StandardDeviation::ci95, "By profile likelihood")};
+Description members_of(const StandardDeviation*) {
+  static constexpr Member all[]{member<&StandardDeviation::value>("value", "Standard deviation"),
+                                member<&StandardDeviation::ci95>("ci95", "By profile likelihood")};
   return all;
 }
 
-const Description& members_of(const ChiSquareTest*) {
-  static const Description all{result("chi2", &ChiSquareTest::chi2, "χ²"),
-                               result("ndf", &ChiSquareTest::ndf, "Its degrees of freedom"),
-                               result("p_value", &ChiSquareTest::p_value, "Its p")};
+Description members_of(const ChiSquareTest*) {
+  static constexpr Member all[]{member<&ChiSquareTest::chi2>("chi2", "χ²"),
+                                member<&ChiSquareTest::ndf>("ndf", "Its degrees of freedom"),
+                                member<&ChiSquareTest::p_value>("p_value", "Its p")};
   return all;
 }
 
-const Description& members_of(const Drift*) {
+Description members_of(const Drift*) {
   using D = Drift;
-  static const Description all{result<D>(
-                                   "per", [](const D& d) { return d.by_date ? "day" : "recording"; },
-                                   "`day`; `recording` where fewer than half have a date: in their order"),
-                               result("slope", &D::slope, "An estimate"),
-                               result("p_value", &D::p_value, "p"),
-                               result("begin", &D::begin, "Days since 1970-01-01, or the number of the recording"),
-                               result("end", &D::end, "Likewise"),
-                               result("middle", &D::middle, "Likewise; the pooled law belongs to it")};
+  static constexpr Member all[]{computed(
+                                    "per", [](const D& d) { return d.by_date ? "day" : "recording"; },
+                                    "`day`; `recording` where fewer than half have a date: in their order"),
+                                member<&D::slope>("slope", "An estimate"),
+                                member<&D::p_value>("p_value", "p"),
+                                member<&D::begin>("begin", "Days since 1970-01-01, or the number of the recording"),
+                                member<&D::end>("end", "Likewise"),
+                                member<&D::middle>("middle", "Likewise; the pooled law belongs to it")};
   return all;
 }
 
-const Description& members_of(const GroupRow*) {
-  static const Description all{result("name", &GroupRow::name, "The plate or the day"),
-                               result("n", &GroupRow::n, "Recordings"),
-                               result("offset", &GroupRow::offset, "Mean offset from the pooled law"),
-                               result("se", &GroupRow::se, "Its standard error")};
+Description members_of(const GroupRow*) {
+  static constexpr Member all[]{member<&GroupRow::name>("name", "The plate or the day"),
+                                member<&GroupRow::n>("n", "Recordings"),
+                                member<&GroupRow::offset>("offset", "Mean offset from the pooled law"),
+                                member<&GroupRow::se>("se", "Its standard error")};
   return all;
 }
 
-const Description& members_of(const Grouping*) {
-  static const Description all{
-      result("effect", &Grouping::effect,
-             "`none` (`notes` say why), `fixed` (2 to 4 plates: a constant for each) or `random` (5 or more, and 5 "
-             "recordings more than groups)"),
-      result("deviation", &Grouping::deviation, "`null`, or as `tau`"),
-      result("rows", &Grouping::rows, "`name`, `n`, `offset`, `se`")};
+Description members_of(const Grouping*) {
+  static constexpr Member all[]{
+      member<&Grouping::effect>(
+          "effect",
+          "`none` (`notes` say why), `fixed` (2 to 4 plates: a constant for each) or `random` (5 or more, and 5 "
+          "recordings more than groups)"),
+      member<&Grouping::deviation>("deviation", "`null`, or as `tau`"),
+      member<&Grouping::rows>("rows", "`name`, `n`, `offset`, `se`")};
   return all;
 }
 
-const Description& members_of(const BetweenRecordings*) {
+Description members_of(const BetweenRecordings*) {
   using B = BetweenRecordings;
-  static const Description all{
-      result("notes", &B::notes, "What could not be had"),
-      result("n_recordings", &B::n_recordings, "Recordings"),
-      result("n_used", &B::n_used, "Those with a law of their own, outliers among them"),
-      result("n_samples", &B::n_samples, "Their samples"),
-      where_ok<B>("v_mps", &B::v_mps, "The reference speed"),
-      where_ok<B>("eps", &B::eps,
-                  "ε of the pooled law there, an estimate whose error includes what differs between recordings, in the "
-                  "middle of the campaign"),
-      where_ok<B>("prediction95", &B::prediction95, "Where one more recording is expected"),
-      where_ok<B>("tau", &B::tau,
-                  "`value`, `ci95`: standard deviation of ε between recordings, of one plate and day where these have "
-                  "one, beyond the recordings' own errors; `ci95` by profile likelihood"),
-      where_ok<B>("heterogeneity", &B::heterogeneity,
-                  "`chi2`, `ndf`, `p_value`: whether the recordings (outliers too) differ at all"),
-      where_ok<B>(
-          "shapes", [](const B& b) { return b.shapes.ndf > 0.0 ? std::optional(b.shapes) : std::nullopt; },
-          "The same: whether their curves differ by more than a constant (`null`: one speed)"),
-      result("drift", &B::drift, "`null`, or ε over the campaign, see below"),
-      where_ok<B>("law", pooled_law,
-                  "`kind`, `parameters` and an estimate of each, `correlation`, `nodes`, `curve` as of a fit; `curve` "
-                  "with `prediction95`"),
-      result("plates", &B::plates, "Groups by plate, with the drift taken out"),
-      result("days", &B::days, "Groups by day, with the plates taken out")};
+  static constexpr Member all[]{
+      member<&B::notes>("notes", "What could not be had"),
+      member<&B::n_recordings>("n_recordings", "Recordings"),
+      member<&B::n_used>("n_used", "Those with a law of their own, outliers among them"),
+      member<&B::n_samples>("n_samples", "Their samples"),
+      where_ok<&B::v_mps>("v_mps", "The reference speed"),
+      where_ok<&B::eps>(
+          "eps",
+          "ε of the pooled law there, an estimate whose error includes what differs between recordings, in the "
+          "middle of the campaign"),
+      where_ok<&B::prediction95>("prediction95", "Where one more recording is expected"),
+      where_ok<&B::tau>(
+          "tau",
+          "`value`, `ci95`: standard deviation of ε between recordings, of one plate and day where these have "
+          "one, beyond the recordings' own errors; `ci95` by profile likelihood"),
+      where_ok<&B::heterogeneity>("heterogeneity",
+                                  "`chi2`, `ndf`, `p_value`: whether the recordings (outliers too) differ at all"),
+      where_ok<shapes_where_tested>(
+          "shapes", "The same: whether their curves differ by more than a constant (`null`: one speed)"),
+      member<&B::drift>("drift", "`null`, or ε over the campaign, see below"),
+      where_ok<pooled_law>(
+          "law",
+          "`kind`, `parameters` and an estimate of each, `correlation`, `nodes`, `curve` as of a fit; `curve` "
+          "with `prediction95`"),
+      member<&B::plates>("plates", "Groups by plate, with the drift taken out"),
+      member<&B::days>("days", "Groups by day, with the plates taken out")};
   return all;
 }
 
-const Description& members_of(const GroupLaw*) {
+Description members_of(const GroupLaw*) {
   using G = GroupLaw;
-  static const Description all{
-      result("name", &G::name, "The plate or the recording"), result("n", &G::n, "Samples fitted"),
-      result("n_units", &G::n_units, "Drops or recordings, see `unit`"),
-      result("nodes", &G::nodes, "As of a law, at speeds that all groups share"), estimates_by_name<G>()};
+  static constexpr Member all[]{
+      member<&G::name>("name", "The plate or the recording"), member<&G::n>("n", "Samples fitted"),
+      member<&G::n_units>("n_units", "Drops or recordings, see `unit`"),
+      member<&G::nodes>("nodes", "As of a law, at speeds that all groups share"), estimates_by_name<G>()};
   return all;
 }
 
-const Description& members_of(const GroupDifference*) {
+Description members_of(const GroupDifference*) {
   using D = GroupDifference;
-  static const Description all{
-      result("reference", &D::reference, "A group"),
-      result("group", &D::group, "Another; all is of it less the reference"),
-      result("offset", &D::offset, "Estimate of the difference of ε, as a constant at all speeds"),
-      result("detectable", &D::detectable, "A difference that such data show in four of five experiments"),
-      result("p_value", &D::p_value,
-             "Of so large an offset by chance, if the groups differ as their units do; times the number of pairs; "
-             "`null`: one unit in each"),
-      result("nodes", &D::nodes, "Differences of ε at the nodes, as of a law"),
+  static constexpr Member all[]{
+      member<&D::reference>("reference", "A group"),
+      member<&D::group>("group", "Another; all is of it less the reference"),
+      member<&D::offset>("offset", "Estimate of the difference of ε, as a constant at all speeds"),
+      member<&D::detectable>("detectable", "A difference that such data show in four of five experiments"),
+      member<&D::p_value>(
+          "p_value",
+          "Of so large an offset by chance, if the groups differ as their units do; times the number of pairs; "
+          "`null`: one unit in each"),
+      member<&D::nodes>("nodes", "Differences of ε at the nodes, as of a law"),
       estimates_by_name<D>()};
   return all;
 }
 
-const Description& members_of(const GroupDifferences*) {
+Description members_of(const GroupDifferences*) {
   using D = GroupDifferences;
-  static const Description all{
-      result("message", &D::message, "Why there are no `rows`"),
-      result<D>(
+  static constexpr Member all[]{
+      member<&D::message>("message", "Why there are no `rows`"),
+      computed(
           "unit", [](const D& d) { return to_string(d.unit); },
           "By what differs within a group differences are judged: `recordings` where a group has several, else "
           "`drops`"),
-      result("ndf", &D::ndf,
-             "Degrees of freedom of Student's t: units less groups; 0: not known, errors are those of "
-             "independent samples"),
-      result("deviation", &D::deviation, "Standard deviation of ε between units of a group, beyond the scatter"),
-      result("groups", &D::groups, "The law of each, see below"),
-      result("rows", &D::rows, "Every pair, see below")};
+      member<&D::ndf>("ndf",
+                      "Degrees of freedom of Student's t: units less groups; 0: not known, errors are those of "
+                      "independent samples"),
+      member<&D::deviation>("deviation", "Standard deviation of ε between units of a group, beyond the scatter"),
+      member<&D::groups>("groups", "The law of each, see below"),
+      member<&D::rows>("rows", "Every pair, see below")};
   return all;
 }
 
-const Description& members_of(const RestitutionCounts*) {
+Description members_of(const RestitutionCounts*) {
   using C = RestitutionCounts;
-  static const Description all{result("n_onsets", &C::n_onsets, "Impacts read"),
-                               result("n_drops", &C::n_drops, "Drops"),
-                               result("n_samples", &C::n_samples, "Coefficients of restitution"),
-                               result("n_flagged", &C::n_flagged, "Of these with a flag: they stay out of the fit"),
-                               result("eps_median", &C::eps_median, "Of the others"),
-                               result("n_heights_contradicted", &C::n_heights_contradicted,
-                                      "Drops whose flights contradict `--drop-height`: their first impact is left out"),
-                               result("height_suggested_m", &C::height_suggested_m,
-                                      "Height of the fall that these suggest, their median; `null`: none"),
-                               result<C>(
-                                   "breaks",
-                                   [](const C& c) {
-                                     Object breaks;
-                                     for (const auto& [reason, n] : c.breaks)
-                                       breaks.emplace_back(name_of(reason), value_of(n));
-                                     return breaks;
-                                   },
-                                   "Places where the chain of a drop is broken: reason → number")};
+  static constexpr Member all[]{
+      member<&C::n_onsets>("n_onsets", "Impacts read"),
+      member<&C::n_drops>("n_drops", "Drops"),
+      member<&C::n_samples>("n_samples", "Coefficients of restitution"),
+      member<&C::n_flagged>("n_flagged", "Of these with a flag: they stay out of the fit"),
+      member<&C::eps_median>("eps_median", "Of the others"),
+      member<&C::n_heights_contradicted>(
+          "n_heights_contradicted", "Drops whose flights contradict `--drop-height`: their first impact is left out"),
+      member<&C::height_suggested_m>("height_suggested_m",
+                                     "Height of the fall that these suggest, their median; `null`: none"),
+      computed(
+          "breaks",
+          [](const C& c) {
+            Object breaks;
+            for (const auto& [reason, n] : c.breaks) breaks.emplace_back(name_of(reason), value_of(n));
+            return breaks;
+          },
+          "Places where the chain of a drop is broken: reason → number")};
   return all;
 }
 
-const Description& members_of(const IntervalPrediction*) {
+Description members_of(const IntervalPrediction*) {
   using P = IntervalPrediction;
-  static const Description all{result("impact", &P::impact, "That the interval follows"),
-                               result("found_s", &P::measured_s, "As measured"),
-                               result("expected_s", &P::predicted_s, "By the law; `null` without one"),
-                               result("sigma_s", &P::sigma_s, "Standard error of the measured one")};
+  static constexpr Member all[]{member<&P::impact>("impact", "That the interval follows"),
+                                member<&P::measured_s>("found_s", "As measured"),
+                                member<&P::predicted_s>("expected_s", "By the law; `null` without one"),
+                                member<&P::sigma_s>("sigma_s", "Standard error of the measured one")};
   return all;
 }
 
-const Description& members_of(const CalibrationRow*) {
+Description members_of(const CalibrationRow*) {
   using R = CalibrationRow;
-  static const Description all{
-      result("name", &R::name, "The quantity"),
-      result("truth", &R::truth, "Its true value"),
-      result("bound_independent", &R::bound_independent, "Cramér-Rao bound of its error, if samples were independent"),
-      result("spread", &R::spread, "Standard deviation of the estimates"),
-      result("mean_se", &R::mean_se, "Mean of the standard errors stated"),
-      result("pull_mean", &R::pull_mean, "Mean of (estimate - truth) / se"),
-      result("pull_sd", &R::pull_sd, "Its standard deviation"),
-      result("coverage68", &R::coverage68, "Share of the 68 % intervals that hold the truth"),
-      result("coverage95", &R::coverage95, "Of the 95 % intervals")};
+  static constexpr Member all[]{
+      member<&R::name>("name", "The quantity"),
+      member<&R::truth>("truth", "Its true value"),
+      member<&R::bound_independent>("bound_independent", "Cramér-Rao bound of its error, if samples were independent"),
+      member<&R::spread>("spread", "Standard deviation of the estimates"),
+      member<&R::mean_se>("mean_se", "Mean of the standard errors stated"),
+      member<&R::pull_mean>("pull_mean", "Mean of (estimate - truth) / se"),
+      member<&R::pull_sd>("pull_sd", "Its standard deviation"),
+      member<&R::coverage68>("coverage68", "Share of the 68 % intervals that hold the truth"),
+      member<&R::coverage95>("coverage95", "Of the 95 % intervals")};
   return all;
 }
 
-const Description& members_of(const CalibrationResult*) {
-  static const Description all{result("rows", &CalibrationResult::rows, "A row for each quantity"),
-                               result("n_failed", &CalibrationResult::n_failed, "Seeds whose fit did not converge")};
+Description members_of(const CalibrationResult*) {
+  static constexpr Member all[]{member<&CalibrationResult::rows>("rows", "A row for each quantity"),
+                                member<&CalibrationResult::n_failed>("n_failed", "Seeds whose fit did not converge")};
   return all;
 }
 

@@ -14,27 +14,29 @@
 namespace bouncelab::fit {
 
 /// `name` where the fit has a result, else not known.
-template <class S, class Reach>
-Member where_ok(std::string name, Reach reach, std::string text) {
-  return result<S>(
-      std::move(name),
-      [reach](const S& s) { return s.status == FitStatus::ok ? value_of(std::invoke(reach, s)) : Value{}; },
-      std::move(text));
+template <auto Member>
+constexpr bouncelab::Member where_ok(std::string_view name, std::string_view text) {
+  using S = decltype(describe_detail::owner_of(Member));
+  bouncelab::Member made = member<Member>(name, text);
+  made.place = describe_detail::itself;
+  made.read = [](const void* object) {
+    const S& s = *static_cast<const S*>(object);
+    return s.status == FitStatus::ok ? value_of(std::invoke(Member, s)) : Value{};
+  };
+  return made;
 }
 
 /// The names of parameters, and each under its own.
+Object by_name(const std::vector<NamedEstimate>& parameters);
 template <class S>
-Member estimates_by_name() {
-  return result<S>(
+constexpr Member estimates_by_name() {
+  return computed(
       "",
       [](const S& s) {
+        Object all = by_name(s.parameters);
         std::vector<std::string> names;
-        Object all;
-        for (const NamedEstimate& p : s.parameters) {
-          names.push_back(p.name);
-          all.emplace_back(p.name, value_of(p.estimate));
-        }
-        all.emplace_back("parameters", value_of(names));
+        for (const NamedEstimate& p : s.parameters) names.push_back(p.name);
+        all.emplace_back("parameters", std::move(names));
         return all;
       },
       "`A2`, `A4`, `A5` ... or `gamma` or `eps`: an estimate each; `parameters`: their names, in the order of "

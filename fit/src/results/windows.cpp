@@ -7,15 +7,11 @@
 
 namespace bouncelab::fit {
 
-namespace {
-
 Object by_name(const std::vector<NamedEstimate>& parameters) {
   Object all;
   for (const NamedEstimate& p : parameters) all.emplace_back(p.name, value_of(p.estimate));
   return all;
 }
-
-}  // namespace
 
 Object as_columns(const std::vector<CurvePoint>& curve, const std::string& x, const std::string& y) {
   std::vector<double> xs, ys;
@@ -26,130 +22,133 @@ Object as_columns(const std::vector<CurvePoint>& curve, const std::string& x, co
   return {{x, value_of(xs)}, {y, value_of(ys)}};
 }
 
-const Description& members_of(const ShapeFit*) {
+Description members_of(const ShapeFit*) {
   using S = ShapeFit;
-  static const Description all{
-      result("shape", &S::shape,
-             "`two_exponentials` (`peak_eps`, `slope_rising`, `slope_falling`), `normal` (`mean`, `sd`), `gumbel` "
-             "(`mode`, `scale`) "
-             "or `student_t` (`location`, `scale`, `nu`)"),
-      result("status", &S::status, "How its fit ended"),
-      result<S>(
+  static constexpr Member all[]{
+      member<&S::shape>(
+          "shape",
+          "`two_exponentials` (`peak_eps`, `slope_rising`, `slope_falling`), `normal` (`mean`, `sd`), `gumbel` "
+          "(`mode`, `scale`) "
+          "or `student_t` (`location`, `scale`, `nu`)"),
+      member<&S::status>("status", "How its fit ended"),
+      computed(
           "parameters", [](const S& s) { return by_name(s.parameters); }, "An estimate each, by name"),
-      result("loglik", &S::loglik, "Log-likelihood of the counts"),
-      result("delta_aic", &S::delta_aic, "AIC less that of the two exponentials"),
-      result("chi2", &S::chi2, "Pearson's test"),
-      result("ndf", &S::ndf, "Its degrees of freedom"),
-      result("p_value", &S::p_value, "Its p"),
-      result("expected", &S::expected, "Counts that it expects")};
+      member<&S::loglik>("loglik", "Log-likelihood of the counts"),
+      member<&S::delta_aic>("delta_aic", "AIC less that of the two exponentials"),
+      member<&S::chi2>("chi2", "Pearson's test"),
+      member<&S::ndf>("ndf", "Its degrees of freedom"),
+      member<&S::p_value>("p_value", "Its p"),
+      member<&S::expected>("expected", "Counts that it expects")};
   return all;
 }
 
-const Description& members_of(const HistogramFit*) {
+Description members_of(const HistogramFit*) {
   using H = HistogramFit;
-  static const Description all{
-      result("status", &H::status, "How the fit ended"),
-      result("message", &H::message, "In words, empty where all is well"),
-      result("v_lo_mps", &H::v_lo_mps, "Window"),
-      result("v_hi_mps", &H::v_hi_mps, "Its other end"),
-      result("v_mps", &H::v_mps, "Its centre"),
-      result("n", &H::n, "Samples"),
-      result("drops", &H::drops, "Drops that have samples in the window"),
-      result("peak_eps", &H::peak_eps, "Estimate"),
-      result("slope_rising", &H::slope_rising, "Estimate of the slope below the peak, per unit ε, positive"),
-      result("slope_falling", &H::slope_falling, "Likewise above it"),
-      result("slope_ratio", &H::slope_ratio, "Estimate of falling over rising"),
-      result("p_equal_slopes", &H::p_equal_slopes,
-             "p-value of the likelihood ratio against one slope for both sides, scaled to the error of the ratio"),
-      result("loglik", &H::loglik, "Log-likelihood"),
-      result("chi2", &H::chi2, "Pearson's test in bins of equal probability"),
-      result("ndf", &H::ndf, "Its degrees of freedom"),
-      result("p_value", &H::p_value, "Its p"),
-      result("delta_aic_gaussian", &H::delta_aic_gaussian,
-             "AIC(normal) - AIC(two exponentials); positive: the normal is worse"),
-      result("bins", &H::bins, "`eps_edges`, `counts`, `underflow`, `overflow`"),
-      result<H>(
+  static constexpr Member all[]{
+      member<&H::status>("status", "How the fit ended"),
+      member<&H::message>("message", "In words, empty where all is well"),
+      member<&H::v_lo_mps>("v_lo_mps", "Window"),
+      member<&H::v_hi_mps>("v_hi_mps", "Its other end"),
+      member<&H::v_mps>("v_mps", "Its centre"),
+      member<&H::n>("n", "Samples"),
+      member<&H::drops>("drops", "Drops that have samples in the window"),
+      member<&H::peak_eps>("peak_eps", "Estimate"),
+      member<&H::slope_rising>("slope_rising", "Estimate of the slope below the peak, per unit ε, positive"),
+      member<&H::slope_falling>("slope_falling", "Likewise above it"),
+      member<&H::slope_ratio>("slope_ratio", "Estimate of falling over rising"),
+      member<&H::p_equal_slopes>(
+          "p_equal_slopes",
+          "p-value of the likelihood ratio against one slope for both sides, scaled to the error of the ratio"),
+      member<&H::loglik>("loglik", "Log-likelihood"),
+      member<&H::chi2>("chi2", "Pearson's test in bins of equal probability"),
+      member<&H::ndf>("ndf", "Its degrees of freedom"),
+      member<&H::p_value>("p_value", "Its p"),
+      member<&H::delta_aic_gaussian>("delta_aic_gaussian",
+                                     "AIC(normal) - AIC(two exponentials); positive: the normal is worse"),
+      member<&H::bins>("bins", "`eps_edges`, `counts`, `underflow`, `overflow`"),
+      computed(
           "curve", [](const H& h) { return as_columns(h.curve, "eps", "density"); },
           "`eps`, `density`: the fitted density with the timing errors"),
-      result("shapes", &H::shapes, "Shapes fitted to the counts, see below"),
-      result("verdict", &H::verdict, "In words")};
+      member<&H::shapes>("shapes", "Shapes fitted to the counts, see below"),
+      member<&H::verdict>("verdict", "In words")};
   return all;
 }
 
-const Description& members_of(const Bins*) {
-  static const Description all{result("eps_edges", &Bins::eps_edges, "Edges of the bins"),
-                               result("counts", &Bins::counts, "Samples in each"),
-                               result("underflow", &Bins::underflow, "Samples below the first edge"),
-                               result("overflow", &Bins::overflow, "Samples above the last edge")};
+Description members_of(const Bins*) {
+  static constexpr Member all[]{member<&Bins::eps_edges>("eps_edges", "Edges of the bins"),
+                                member<&Bins::counts>("counts", "Samples in each"),
+                                member<&Bins::underflow>("underflow", "Samples below the first edge"),
+                                member<&Bins::overflow>("overflow", "Samples above the last edge")};
   return all;
 }
 
-const Description& members_of(const DensityPicture*) {
+Description members_of(const DensityPicture*) {
   using D = DensityPicture;
-  static const Description all{
-      result("v_edges_mps", &D::v_edges_mps, "Edges of the bins in speed"), result("eps_edges", &D::eps_edges, "In ε"),
-      result("counts", &D::counts, "`counts[eps bin][v bin]`"), result("n_outside", &D::n_outside, "Samples outside")};
+  static constexpr Member all[]{
+      member<&D::v_edges_mps>("v_edges_mps", "Edges of the bins in speed"), member<&D::eps_edges>("eps_edges", "In ε"),
+      member<&D::counts>("counts", "`counts[eps bin][v bin]`"), member<&D::n_outside>("n_outside", "Samples outside")};
   return all;
 }
 
-const Description& members_of(const TimingNoise*) {
+Description members_of(const TimingNoise*) {
   using T = TimingNoise;
-  static const Description all{
-      result("n_pairs", &T::n_pairs, "Neighbouring samples"),
-      result("lag1_correlation", &T::lag1_correlation, "Of their residuals: 0 asperities only, -2/3 timing only"),
-      result("lag1_correlation_se", &T::lag1_correlation_se, "Its standard error"),
-      result("variance_s2", &T::variance_s2, "Variance of a time that they show; negative by chance"),
-      result("variance_se_s2", &T::variance_se_s2, "Its standard error"),
-      result("sigma_s", &T::sigma_s, "Its root, where it is positive"),
-      result("upper95_s", &T::upper95_s, "One-sided 95 % limit"),
-      result("stated_s", &T::stated_s, "Median of what `sigma_eps` states")};
+  static constexpr Member all[]{
+      member<&T::n_pairs>("n_pairs", "Neighbouring samples"),
+      member<&T::lag1_correlation>("lag1_correlation", "Of their residuals: 0 asperities only, -2/3 timing only"),
+      member<&T::lag1_correlation_se>("lag1_correlation_se", "Its standard error"),
+      member<&T::variance_s2>("variance_s2", "Variance of a time that they show; negative by chance"),
+      member<&T::variance_se_s2>("variance_se_s2", "Its standard error"),
+      member<&T::sigma_s>("sigma_s", "Its root, where it is positive"),
+      member<&T::upper95_s>("upper95_s", "One-sided 95 % limit"),
+      member<&T::stated_s>("stated_s", "Median of what `sigma_eps` states")};
   return all;
 }
 
-const Description& members_of(const BudgetRow*) {
+Description members_of(const BudgetRow*) {
   using B = BudgetRow;
-  static const Description all{
-      result("v_mps", &B::v_mps, "Speed"),
-      result("n", &B::n, "Samples"),
-      result("spread", &B::spread, "Standard deviation of ε - ε(v)"),
-      result("spread_asperities", &B::spread_asperities, "What the fit finds of the ball"),
-      result("spread_timing_stated", &B::spread_timing_stated, "By `sigma_eps`"),
-      result("spread_timing_lag1", &B::spread_timing_lag1, "By `timing`"),
-      result("spread_travel_time", &B::spread_travel_time, "By the travel time of the sound"),
-      result("share_asperities", &B::share_asperities, "Shares of the variance; their sum is 1"),
-      result("share_timing", &B::share_timing, ""),
-      result("share_travel_time", &B::share_travel_time, ""),
-      result("share_unexplained", &B::share_unexplained, ""),
-      result("shift_drag", &B::shift_drag,
-             "Shift of ε by air drag, which is taken out; `null` where the ball is not known"),
-      result("shift_contact_time", &B::shift_contact_time, "Likewise by the duration of contact"),
-      result("mean_minus_peak", &B::mean_minus_peak, "What least squares would be off by"),
-      result("se_curve", &B::se_curve, "Standard error of ε(v) here")};
+  static constexpr Member all[]{
+      member<&B::v_mps>("v_mps", "Speed"),
+      member<&B::n>("n", "Samples"),
+      member<&B::spread>("spread", "Standard deviation of ε - ε(v)"),
+      member<&B::spread_asperities>("spread_asperities", "What the fit finds of the ball"),
+      member<&B::spread_timing_stated>("spread_timing_stated", "By `sigma_eps`"),
+      member<&B::spread_timing_lag1>("spread_timing_lag1", "By `timing`"),
+      member<&B::spread_travel_time>("spread_travel_time", "By the travel time of the sound"),
+      member<&B::share_asperities>("share_asperities",
+                                   "Share of the variance that the ball has; the four shares sum to 1"),
+      member<&B::share_timing>("share_timing", "That of the times"),
+      member<&B::share_travel_time>("share_travel_time", "That of the travel time"),
+      member<&B::share_unexplained>("share_unexplained", "The rest"),
+      member<&B::shift_drag>("shift_drag",
+                             "Shift of ε by air drag, which is taken out; `null` where the ball is not known"),
+      member<&B::shift_contact_time>("shift_contact_time", "Likewise by the duration of contact"),
+      member<&B::mean_minus_peak>("mean_minus_peak", "What least squares would be off by"),
+      member<&B::se_curve>("se_curve", "Standard error of ε(v) here")};
   return all;
 }
 
-const Description& members_of(const ErrorBudget*) {
+Description members_of(const ErrorBudget*) {
   using B = ErrorBudget;
-  static const Description all{
-      result("timing", &B::timing, "`null`, or the timing noise that neighbouring samples show, see below"),
-      result("width_exponent", &B::width_exponent, "Estimate of k in spread ∝ v^k"),
-      result<B>(
+  static constexpr Member all[]{
+      member<&B::timing>("timing", "`null`, or the timing noise that neighbouring samples show, see below"),
+      member<&B::width_exponent>("width_exponent", "Estimate of k in spread ∝ v^k"),
+      computed(
           "width_law", [](const B& b) { return as_columns(b.width_law, "v_mps", "spread"); },
           "`{v_mps, spread}` at both ends"),
-      result<B>(
+      computed(
           "effects",
           [](const B& b) {
-            Values all;
+            Values effects;
             for (const auto& [name, effect] : b.effects)
-              all.push_back(Object{{"name", name}, {"state", std::string(to_string(effect))}});
-            return all;
+              effects.push_back(Object{{"name", name}, {"state", std::string(to_string(effect))}});
+            return effects;
           },
           "`[{name, state}]`; `state` is `absent`, `not taken out` or `taken out`"),
-      result<B>(
+      computed(
           "ball", [](const B& b) { return text_of_ball(b.ball); }, "That the shifts are for; `null`: not named"),
-      result<B>(
+      computed(
           "plate", [](const B& b) { return text_of_ball(b.plate); }, "Likewise"),
-      result("rows", &B::rows, "Bins of speed, see below")};
+      member<&B::rows>("rows", "Bins of speed, see below")};
   return all;
 }
 

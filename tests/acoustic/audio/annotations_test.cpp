@@ -1,17 +1,72 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Onsets as the marks of editors: labels, layers, grids, cue points of WAV files.
 #include "bouncelab/audio/annotations.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sndfile.h>
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
+#include <iterator>
+#include <span>
+#include <string>
 
-#include "acoustic/audio/annotation_cases.hpp"
+#include "bouncelab/audio/audio_writer.hpp"
 #include "bouncelab/core/error.hpp"
+#include "bouncelab/core/onsets.hpp"
+#include "support/temporary_folder.hpp"
 
 namespace bouncelab::audio {
 namespace {
+
+namespace fs = std::filesystem;
+
+/// Two drops with all that an onset can have, and numbers that need every digit.
+Onsets some_onsets() {
+  Onsets onsets;
+  for (int k = 0; k < 60; ++k) {
+    Onset onset;
+    onset.recording = "drop \"1\" & <2>.wav";
+    onset.drop = k / 40;
+    onset.impact = k % 40 + (k > 30 ? 1 : 0);  // one is missing
+    onset.t_s = 0.1 + std::sqrt(2.0 + k) + 1e-9 / (k + 3.0);
+    if (k % 3 != 0) onset.sigma_t_s = 1e-7 / (k + 1.0);
+    if (k % 4 != 0) onset.amplitude = 1.0 / (k + 7.0);
+    if (k % 5 != 0) onset.snr_db = -3.0 + k / 7.0;
+    if (k % 6 != 0) onset.probability = 1.0 / (k + 1.0);
+    if (k % 7 == 0) onset.flags = {Flag::clipped, Flag::doubtful};
+    onsets.push_back(onset);
+  }
+  return onsets;
+}
+
+void expect_same(const Onsets& a, const Onsets& b) {
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t k = 0; k < a.size(); ++k) {
+    SCOPED_TRACE(k);
+    EXPECT_EQ(a[k].drop, b[k].drop);
+    EXPECT_EQ(a[k].impact, b[k].impact);
+    EXPECT_EQ(a[k].t_s, b[k].t_s);
+    EXPECT_EQ(a[k].sigma_t_s, b[k].sigma_t_s);
+    EXPECT_EQ(a[k].amplitude, b[k].amplitude);
+    EXPECT_EQ(a[k].snr_db, b[k].snr_db);
+    EXPECT_EQ(a[k].flags, b[k].flags);
+    EXPECT_EQ(a[k].probability, b[k].probability);
+  }
+}
+
+/// The message of the Error that a call ends with; empty where it ends well.
+template <class Call>
+std::string refusal(const Call& call) {
+  try {
+    call();
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
 
 TEST(Annotations, ShortLabelsFitAndAreCompletedByTheOnsets) {
   const Onsets onsets = some_onsets();
@@ -184,73 +239,6 @@ TEST(Annotations, TimesThatNoRecordingHasAreRefused) {
               HasSubstr("point 1: a time of"));
 }
 
-TEST(Annotations, ATextGridWithMoreTiersOrPointsThanBytesIsRefused) {
-  using testing::HasSubstr;
-  const std::string head = "\"ooTextFile\" \"TextGrid\" 0 1 ";
-  for (const std::string count : {"1e61", "-1", "1.5", "9000000000000000000"}) {
-    EXPECT_THAT(refusal([&] { parse_text_grid(head + count + " \"TextTier\"", "a.TextGrid"); }), HasSubstr("tiers"));
-    EXPECT_THAT(refusal([&] { parse_text_grid(head + "1 \"TextTier\" \"a\" 0 1 " + count, "a.TextGrid"); }),
-                HasSubstr("points"));
-  }
-  // or with fewer than there are
-  EXPECT_THAT(refusal([&] { parse_text_grid(head + "1 \"TextTier\" \"a\" 0 1 1 0.5 \"\" 0.7 \"\"", "a.TextGrid"); }),
-              HasSubstr("has more points than it says"));
-}
-
-TEST(Annotations, ALabelWithAnEnormousNumberIsNotThatOfAnImpact) {
-  const Onsets onsets = onsets_of(
-      parse_audacity_labels("1\t1\t0.9223372036854775807 t_s=1\n2\t2\t0.5 t_s=2\n3\t3\t9999999999999999.0\n", "a.txt"),
-      false, "marks");
-  ASSERT_EQ(onsets.size(), 3U);
-  EXPECT_EQ(onsets[0].impact, 0);
-  EXPECT_EQ(onsets[0].flags, Flags{Flag::by_hand});
-  EXPECT_EQ(onsets[1].impact, 5);
-  EXPECT_EQ(onsets[2].drop, 0);
-  EXPECT_EQ(onsets[2].impact, 6);
-}
-
-TEST(Annotations, AMarkAfterTheGreatestNumberIsRefused) {
-  EXPECT_THAT(
-      refusal([] { onsets_of(parse_audacity_labels("1\t1\t0.1000000000000000 t_s=1\n2\t2\t\n", "a"), false, "a"); }),
-      testing::HasSubstr("a: no number is left for the mark at 2 s"));
-}
-
-TEST(Annotations, ANumberInALabelThatNoTableOfOnsetsHoldsIsNotKnown) {
-  const std::string labels =
-      "1\t1\t0.0 t_s=1 sigma_t_s=0 amplitude=-1 snr_db=30\n2\t2\t0.1 t_s=2 sigma_t_s=1e11 amplitude=1e40\n";
-  const Onsets onsets = onsets_of(parse_audacity_labels(labels, "a.txt"), false, "marks");
-  ASSERT_EQ(onsets.size(), 2U);
-  for (const Onset& onset : onsets) {
-    EXPECT_FALSE(onset.sigma_t_s);
-    EXPECT_FALSE(onset.amplitude);
-  }
-  EXPECT_EQ(onsets[0].snr_db, 30.0);
-  EXPECT_NO_THROW(onsets_from_table(to_table(onsets), "a.csv"));
-}
-
-TEST(Annotations, OnsetsAreInTheOrderOfTheTimesInTheirLabels) {
-  // on one frame of 48 kHz; the second's own time is earlier
-  const Onsets onsets =
-      onsets_of({"a.wav", 1.0 / 48000.0, {{0.002, "5.1"}, {0.002, "1.1 t_s=0.001999"}}}, false, "marks");
-  ASSERT_EQ(onsets.size(), 2U);
-  EXPECT_EQ(onsets[0].drop, 1);
-  EXPECT_EQ(onsets[1].drop, 5);
-}
-
-TEST(Annotations, ALabelBeforeCarriageReturnsIsTheSameWhenWrittenAndReadAgain) {
-  const Annotations once = parse_audacity_labels("1\t1\ta\r\r\n", "a.txt");
-  const Annotations twice = parse_audacity_labels(audacity_labels(once), "a.txt");
-  EXPECT_EQ(once.points[0].label, "a");
-  EXPECT_EQ(twice.points[0].label, "a");
-}
-
-TEST(Annotations, ALayerWithAttributesWithoutNamesIsRefusedInLinearMemory) {
-  std::string points;  // the quadratic reader took 3 GB for these 200 kB, and 300 GB for ten times as many
-  for (int k = 0; k < 200000; ++k) points += "<point   =\"1\"";
-  EXPECT_THAT(refusal([&] { parse_sonic_visualiser_layer(svl("44100", points), "a.svl"); }),
-              testing::HasSubstr("not XML from byte"));
-}
-
 TEST(Annotations, ALayerNestedAHundredThousandDeepIsRead) {
   std::string open, close;
   for (int k = 0; k < 100000; ++k) open += "<g>", close += "</g>";
@@ -258,6 +246,92 @@ TEST(Annotations, ALayerNestedAHundredThousandDeepIsRead) {
                 .points.at(0)
                 .label,
             "a\nb");
+}
+
+constexpr int kRate_hz = 44100;
+
+class Cues : public testing::Test {
+ protected:
+  std::string bytes(const fs::path& path) const {
+    std::ifstream in(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
+  }
+  void write_sound(const std::string& name, SampleEncoding encoding) const {
+    AudioWriter writer(folder_ / name, {kRate_hz, 1, encoding}, 400001, false);
+    std::vector<double> x(400001);  // odd: 24 bits need a pad byte
+    for (std::size_t k = 0; k < x.size(); ++k) x[k] = 0.5 * std::sin(0.1 * static_cast<double>(k));
+    writer.write(x);
+    writer.commit();
+  }
+  std::vector<double> samples(const fs::path& path, SF_INFO& info) const {
+    info = {};
+    SNDFILE* file = sf_open(path.c_str(), SFM_READ, &info);
+    if (!file) return {};
+    std::vector<double> x(static_cast<std::size_t>(info.frames));
+    sf_read_double(file, x.data(), info.frames);
+    sf_close(file);
+    return x;
+  }
+  test::TemporaryFolder folder_;
+};
+
+TEST_F(Cues, ACopyOfTheRecordingHoldsThemAndItsSamplesAreUntouched) {
+  const Onsets onsets = some_onsets();
+  for (const std::string extension : {".wav", ".rf64"}) {
+    const fs::path original = folder_ / ("a" + extension), marked = folder_ / ("b" + extension),
+                   again = folder_ / ("c" + extension);
+    write_sound(original.filename(), SampleEncoding::pcm24);
+    copy_with_cues(original, annotations_of(onsets), marked, "b");
+    expect_same(onsets_of(read_cues(marked), false, "marks"), onsets);
+    const std::string in_memory = bytes(marked);
+    expect_same(onsets_of(parse_cues(std::as_bytes(std::span(in_memory)), "b"), false, "marks"), onsets);
+    SF_INFO info, before;
+    EXPECT_EQ(samples(marked, info), samples(original, before));
+    EXPECT_EQ(info.format, before.format);
+    EXPECT_EQ(info.frames, 400001);
+    // cues are replaced, not added
+    copy_with_cues(marked, annotations_of(onsets), again, "c");
+    EXPECT_EQ(bytes(again), bytes(marked));
+  }
+}
+
+TEST_F(Cues, OtherProgramsReadThem) {
+  write_sound("a.wav", SampleEncoding::pcm16);
+  copy_with_cues(folder_ / "a.wav", annotations_of(some_onsets()), folder_ / "b.wav", "b.wav");
+  SF_INFO info{};
+  SNDFILE* file = sf_open((folder_ / "b.wav").c_str(), SFM_READ, &info);
+  ASSERT_NE(file, nullptr);
+  SF_CUES cues{};
+  ASSERT_EQ(sf_command(file, SFC_GET_CUE, &cues, sizeof cues), SF_TRUE);
+  sf_close(file);
+  EXPECT_EQ(cues.cue_count, 60u);
+  EXPECT_EQ(cues.cue_points[7].sample_offset, std::llround(some_onsets()[7].t_s * kRate_hz));
+}
+
+TEST_F(Cues, ASampleRateThatIsNoneIsRefused) {
+  write_sound("a.wav", SampleEncoding::pcm16);
+  copy_with_cues(folder_ / "a.wav", annotations_of(some_onsets()), folder_ / "b.wav", "b.wav");
+  std::string file = bytes(folder_ / "b.wav");
+  std::fill_n(file.begin() + static_cast<std::ptrdiff_t>(file.find("fmt ")) + 12, 4, '\xFF');
+  EXPECT_THAT(refusal([&] { parse_cues(std::as_bytes(std::span(file)), "b.wav"); }),
+              testing::HasSubstr("sample rate 4294967295 Hz"));
+}
+
+TEST_F(Cues, OtherFilesAreRefused) {
+  write_sound("a.flac", SampleEncoding::pcm16);
+  write_sound("a.wav", SampleEncoding::pcm16);
+  const Annotations annotations = annotations_of(some_onsets());
+  EXPECT_THAT(refusal([&] { copy_with_cues(folder_ / "a.flac", annotations, folder_ / "b.wav", "b.wav"); }),
+              testing::HasSubstr("neither WAV nor RF64"));
+  EXPECT_THAT(refusal([&] { read_cues(folder_ / "a.wav"); }), testing::HasSubstr("no cue points"));
+  EXPECT_THAT(refusal([&] { read_cues(folder_ / "none.wav"); }), testing::HasSubstr("none.wav"));
+  Annotations far = annotations;
+  far.points[0].t_s = 1e6;
+  EXPECT_THAT(refusal([&] { copy_with_cues(folder_ / "a.wav", far, folder_ / "b.wav", "b.wav"); }),
+              testing::HasSubstr("1000000"));
+  fs::resize_file(folder_ / "a.wav", 1000);
+  EXPECT_THAT(refusal([&] { copy_with_cues(folder_ / "a.wav", annotations, folder_ / "b.wav", "b.wav"); }),
+              testing::HasSubstr("cut off"));
 }
 
 }  // namespace

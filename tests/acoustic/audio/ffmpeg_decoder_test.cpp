@@ -29,18 +29,22 @@ class Ffmpeg : public ::testing::Test {
       GTEST_SKIP() << "ffmpeg is not installed: tools/setup --checks";
   }
 
-  /// Stereo samples in QuickTime, which libsndfile does not read, unchanged.
-  std::filesystem::path movie(std::int64_t n_frames, const std::string& name = "sound.mov") {
+  /// Runs a command in the folder.
+  bool in_folder(const std::string& command) const {
+    return std::system(("cd '" + folder_.path().string() + "' && ffmpeg -v error " + command).c_str()) == 0;
+  }
+  void write_raw(std::int64_t n_samples) const {
     std::vector<std::int16_t> x;
-    for (std::int64_t k = 0; k < 2 * n_frames; ++k) x.push_back(sample(k));
+    for (std::int64_t k = 0; k < n_samples; ++k) x.push_back(sample(k));
     std::ofstream(folder_ / "raw", std::ios::binary)
         .write(reinterpret_cast<const char*>(x.data()), static_cast<std::streamsize>(x.size() * sizeof x[0]));
-    const std::string command = "cd '" + folder_.path().string() +
-                                "' && ffmpeg -v error -f s16le -ar 48000 -ac 2 -i raw -c:a pcm_s16le -y './" + name +
-                                "'";
-    EXPECT_EQ(std::system(command.c_str()), 0);
+  }
+  /// Stereo samples in QuickTime, which libsndfile does not read, unchanged.
+  std::filesystem::path movie(std::int64_t n_frames) const {
+    write_raw(2 * n_frames);
+    EXPECT_TRUE(in_folder("-f s16le -ar 48000 -ac 2 -i raw -c:a pcm_s16le -y sound.mov"));
     std::filesystem::remove(folder_ / "raw");
-    return folder_ / name;
+    return folder_ / "sound.mov";
   }
   static void expect_samples(AudioReader& reader, std::int64_t first, std::size_t n) {
     std::vector<float> got(n);
@@ -78,40 +82,31 @@ TEST_F(Ffmpeg, GivesEachSampleInTheRecordingsRateAndChannels) {
 
 TEST_F(Ffmpeg, FourChannelsStayWhatTheyAreWhateverTheirLayout) {
   // ffmpeg would mix "quad" into the layout that it assumes for four channels, "4.0"
-  std::vector<std::int16_t> x;
-  for (std::int64_t k = 0; k < 4 * 1000; ++k) x.push_back(sample(k));
-  std::ofstream(folder_ / "raw", std::ios::binary)
-      .write(reinterpret_cast<const char*>(x.data()), static_cast<std::streamsize>(x.size() * sizeof x[0]));
+  write_raw(4 * 1000);
   for (const std::string layout : {"-channel_layout quad", "-channel_layout 4.0", ""}) {
-    const std::string command = "cd '" + folder_.path().string() + "' && ffmpeg -v error -f s16le -ar 48000 -ac 4 " +
-                                layout + " -i raw -c:a pcm_s16le -y four.mov";
-    ASSERT_EQ(std::system(command.c_str()), 0);
+    ASSERT_TRUE(in_folder("-f s16le -ar 48000 -ac 4 " + layout + " -i raw -c:a pcm_s16le -y four.mov"));
     const AudioReader reader(folder_ / "four.mov");
     ASSERT_EQ(reader.format().n_channels, 4) << layout;
     std::vector<float> got(1000);
     for (int channel = 0; channel < 4; ++channel) {
       reader.read(0, channel, got);
-      for (std::size_t k = 0; k < got.size(); ++k)
-        ASSERT_EQ(got[k], static_cast<float>(x[4 * k + static_cast<std::size_t>(channel)]) * 0x1p-15F) << layout;
+      for (std::int64_t k = 0; k < std::ssize(got); ++k)
+        ASSERT_EQ(got[static_cast<std::size_t>(k)], static_cast<float>(sample(4 * k + channel)) * 0x1p-15F) << layout;
     }
   }
 }
 
 TEST_F(Ffmpeg, TheOneTrackOfATransportStreamIsOneTrack) {
-  const auto folder = movie(48000).parent_path().string();
-  const std::string command = "cd '" + folder + "' && ffmpeg -v error -i sound.mov -c:a mp2 -y camera.mts";
-  ASSERT_EQ(std::system(command.c_str()), 0);
+  movie(48000);
+  ASSERT_TRUE(in_folder("-i sound.mov -c:a mp2 -y camera.mts"));
   EXPECT_EQ(AudioReader(folder_ / "camera.mts").format().n_tracks, 1);
 }
 
 TEST_F(Ffmpeg, APauseOfAnHourBetweenTimeStampsIsSaid) {
-  const auto folder = movie(3 * 48000).parent_path().string();
+  movie(3 * 48000);
+  ASSERT_TRUE(in_folder("-i sound.mov -c:a aac -y full.mp4"));
   for (const std::string name : {"hour.mp4", "hour.mkv"}) {
-    const std::string command = "cd '" + folder +
-                                "' && ffmpeg -v error -i sound.mov -c:a aac -y full.mp4 && ffmpeg -v error -i full.mp4 "
-                                "-c copy -bsf:a \"setts=ts='if(gte(N,60),PTS+3600/TB,PTS)'\" -y " +
-                                name;
-    ASSERT_EQ(std::system(command.c_str()), 0);
+    ASSERT_TRUE(in_folder("-i full.mp4 -c copy -bsf:a \"setts=ts='if(gte(N,60),PTS+3600/TB,PTS)'\" -y " + name));
     const AudioReader reader(folder_ / name);
     EXPECT_THAT(reader.format().warning, HasSubstr("60 s of silence stand for the jump")) << name;
     EXPECT_NEAR(static_cast<double>(reader.format().n_frames) / 48000.0, 63.0, 0.1) << name;  // blocks of 21 ms
@@ -120,10 +115,9 @@ TEST_F(Ffmpeg, APauseOfAnHourBetweenTimeStampsIsSaid) {
 
 TEST_F(Ffmpeg, AnOpusStreamThatLostAPageInItsMiddleIsRefused) {
   // what follows the loss would come 20 ms too early
-  const auto folder = movie(3 * 48000).parent_path().string();
-  const std::string command =
-      "cd '" + folder + "' && ffmpeg -v error -i sound.mov -c:a libopus -page_duration 20000 -y a.opus";
-  if (std::system(command.c_str()) != 0) GTEST_SKIP() << "this ffmpeg has no encoder of Opus";
+  movie(3 * 48000);
+  if (!in_folder("-i sound.mov -c:a libopus -page_duration 20000 -y a.opus"))
+    GTEST_SKIP() << "this ffmpeg has no encoder of Opus";
   std::ifstream in(folder_ / "a.opus", std::ios::binary);
   const std::string whole{std::istreambuf_iterator<char>(in), {}};
   const std::size_t lost = whole.find("OggS", whole.size() / 3), next = whole.find("OggS", lost + 4);
@@ -153,9 +147,7 @@ TEST_F(Ffmpeg, NamesOfAnyKindAreFiles) {
 }
 
 TEST_F(Ffmpeg, WhatHoldsNoSoundIsNamedInOneLine) {
-  const std::string command =
-      "cd '" + folder_.path().string() + "' && ffmpeg -v error -f lavfi -i testsrc=d=1:s=64x64 -c:v mpeg4 silent.mp4";
-  ASSERT_EQ(std::system(command.c_str()), 0);
+  ASSERT_TRUE(in_folder("-f lavfi -i testsrc=d=1:s=64x64 -c:v mpeg4 silent.mp4"));
   EXPECT_THAT(message_of(folder_ / "silent.mp4"), HasSubstr("holds no sound (QuickTime / MOV)"));
   std::string noise(5000, '\0');
   for (std::size_t k = 0; k < noise.size(); ++k)

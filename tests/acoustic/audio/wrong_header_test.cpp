@@ -107,23 +107,14 @@ class WrongHeader : public ::testing::Test {
   test::TemporaryFolder folder_;
 };
 
-TEST_F(WrongHeader, ARightOneGetsNoWarning) {
-  for (const Container& c : kContainers) {
-    SCOPED_TRACE(c.name);
-    AudioReader reader = reader_of(written(c));
-    EXPECT_EQ(reader.format().warning, "");
-    expect_frames(reader, kFrames);
-  }
-}
-
-TEST_F(WrongHeader, MoreIsPromisedThanIsThere) {
+TEST_F(WrongHeader, MoreIsPromisedThanIsThereOrWhatIsThere) {
   for (const Container& c : kContainers)
-    for (const std::uint64_t more : {36u, 8000u}) {
+    for (const std::uint64_t more : {0u, 36u, 8000u}) {
       SCOPED_TRACE(c.name);
       std::string bytes = written(c);
       promise(bytes, c, promised(bytes, c) + more + c.more);
       AudioReader reader = reader_of(bytes);
-      if (more == 36u)  // the header of a WAV file, which some recorders count too: nothing is cut off
+      if (more <= 36u)  // right, or with the header of a WAV file, which some recorders count too
         EXPECT_EQ(reader.format().warning, "");
       else
         EXPECT_THAT(reader.format().warning, AllOf(HasSubstr("promises 1"), HasSubstr("holds 12000 samples")));

@@ -5,12 +5,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/random.hpp"
 #include "candidates/band_energies.hpp"
 #include "candidates/candidates.hpp"
+#include "tracking/hypothesis.hpp"
 
 namespace bouncelab::test {
 
@@ -90,6 +92,18 @@ double integral_over_line(double centre, double width, int n, const Function& f)
     const double cosine = std::cos(u);
     return f(centre + width * std::tan(u)) * width / (cosine * cosine);
   });
+}
+
+/// A hypothesis with one more impact, after n_missing that were not detected; absent where no ball does that, or below
+/// the least log odds.
+inline std::optional<detection::Hypothesis> extended(const detection::Hypothesis& h, const detection::Observation& next,
+                                                     int n_missing, double same_source, bool is_counted,
+                                                     double least_log_odds = -INFINITY) {
+  const auto step = h.step_to(next, n_missing, same_source, is_counted, least_log_odds);
+  if (!step) return {};
+  std::optional<detection::Hypothesis> longer = h;
+  longer->take(*step, next);
+  return longer;
 }
 
 }  // namespace bouncelab::test

@@ -46,27 +46,6 @@ TEST(DelayPosterior, PutsASlippedImpactBackWhereTheTrackIsSmooth) {
   EXPECT_GT(p[12][2], 0.99);
 }
 
-TEST(DelayPosterior, KeepsTimesThatAreUnambiguousByTheSound) {
-  std::vector<TimedImpact> impacts = track_with_alternatives(60.0);
-  for (std::size_t k = 12; k < impacts.size(); ++k) {  // a single loss
-    impacts[k].fit.t_s -= 10e-3;
-    for (DelayHypothesis& h : impacts[k].fit.alternatives) h.t_s -= 10e-3;
-  }
-  for (const HypothesisProbabilities& p : delay_posterior(impacts)) EXPECT_EQ(best_of(p), 0U);
-}
-
-TEST(DelayPosterior, DoesNotDependOnWhenTheTrackBeginsOrOnItsTempo) {
-  const std::vector<TimedImpact> track = track_with_alternatives(1.0);
-  std::vector<TimedImpact> other = track;
-  for (TimedImpact& impact : other) {
-    impact.fit.t_s = 100.0 + 2.0 * impact.fit.t_s;
-    for (DelayHypothesis& h : impact.fit.alternatives) h.t_s = 100.0 + 2.0 * h.t_s;
-  }
-  const std::vector<HypothesisProbabilities> p = delay_posterior(track), q = delay_posterior(other);
-  for (std::size_t k = 0; k < track.size(); ++k)
-    for (std::size_t h = 0; h < p[k].size(); ++h) EXPECT_NEAR(p[k][h], q[k][h], 1e-6) << k;
-}
-
 /// The posterior as the sum over every combination of hypotheses.
 std::vector<HypothesisProbabilities> enumerated(const std::vector<TimedImpact>& track,
                                                 const std::vector<ExpectedLogEps>& expected) {
@@ -137,20 +116,6 @@ TEST(DelayPosterior, PrefersWhereTheSoundRisesUnlessTheRecordingShowsOtherwise) 
   for (const HypothesisProbabilities& p : delay_posterior(impacts)) EXPECT_EQ(best_of(p), 0U);
 }
 
-TEST(DelayPosterior, PrefersThePlaceThatIsAsFarBehindTheRiseAsThoseOfOtherImpacts) {
-  for (const double late_s : {0.0, 0.9e-3}) {
-    std::vector<TimedImpact> impacts = track_with_alternatives(20.0);
-    for (TimedImpact& impact : impacts) {
-      impact.rise_s = impact.fit.t_s - late_s;
-      impact.rise_reach_s = 1.5e-3;
-    }
-    impacts.resize(6);  // too short for smoothness
-    impacts[2].fit.alternatives = {{impacts[2].fit.t_s, 0.3}};
-    impacts[2].fit.t_s += 1.2e-3;
-    EXPECT_EQ(best_of(delay_posterior(impacts)[2]), 1U) << late_s;
-  }
-}
-
 TEST(DelayPosterior, AnImpactThatMayBeElsewhereIsLessProbablyWhereItIsPut) {
   TimedImpact impact;
   impact.fit.t_s = 1.0;
@@ -214,25 +179,6 @@ TEST(DelayPosterior, StatesTheErrorThatItsChoicesHaveOverManyTracks) {
     }
     EXPECT_GT(all.error, 0.0) << "the case is not one of doubt";
     EXPECT_NEAR(std::sqrt(all.error / all.stated), 1.0, 0.25) << mean_margin;
-  }
-}
-
-TEST(MergedFit, HoldsThePlacesOfBothEachOnce) {
-  ImpactFit near, far;
-  near.t_s = 1.0;
-  near.log_likelihood_ratio = 40.0;
-  near.alternatives = {{1.001, 2.0}};
-  far.t_s = 1.010;
-  far.log_likelihood_ratio = 50.0;
-  far.alternatives = {{1.0000001, 3.0}, {1.002, 5.0}};
-  for (const ImpactFit& fit : {merged(near, far, 1e-5), merged(far, near, 1e-5)}) {
-    EXPECT_EQ(fit.t_s, 1.010);
-    ASSERT_EQ(fit.alternatives.size(), 3U);
-    EXPECT_NEAR(fit.alternatives[0].t_s, 1.0, 1e-6);
-    EXPECT_DOUBLE_EQ(fit.alternatives[0].log_odds_margin, 3.0);
-    EXPECT_DOUBLE_EQ(fit.alternatives[1].log_odds_margin, 5.0);
-    EXPECT_DOUBLE_EQ(fit.alternatives[2].t_s, 1.001);
-    EXPECT_DOUBLE_EQ(fit.alternatives[2].log_odds_margin, 12.0);
   }
 }
 

@@ -34,23 +34,18 @@ void expect_found(const BouncingSound& b, const std::vector<float>& x) {
   for (std::size_t k = 0; k < truth.size(); ++k) EXPECT_NEAR(d.onsets[k].t_s, truth[k], 1e-3) << "impact " << k;
 }
 
-TEST(DetectFewImpacts, FollowsFiveToTwelveOfAnyBall) {
+TEST(DetectFewImpacts, FollowsFiveToTwelveOfAnyBallAlsoBehindKnocks) {
   for (const double eps : {0.55, 0.65, 0.75, 0.85})
     for (const int n : {5, 6, 8, 12}) {
       if (0.7 * std::pow(eps, n - 2) < 5e-3) continue;  // the last flight shorter than the sound
       const BouncingSound b = lively_ball(eps, n);
-      expect_found(b, render(b));
+      std::vector<float> x = render(b);
+      expect_found(b, x);
+      if (n != 8 || eps < 0.6) continue;
+      test::add_impact(x, b.rate_hz, 0.21, 0.1);
+      test::add_impact(x, b.rate_hz, 0.43, 0.05);
+      expect_found(b, x);
     }
-}
-
-TEST(DetectFewImpacts, FollowsThemBehindKnocks) {
-  for (const double eps : {0.65, 0.75, 0.85}) {
-    const BouncingSound b = lively_ball(eps, 8);
-    std::vector<float> x = render(b);
-    test::add_impact(x, b.rate_hz, 0.21, 0.1);
-    test::add_impact(x, b.rate_hz, 0.43, 0.05);
-    expect_found(b, x);
-  }
 }
 
 /// A hand, a chair, a sleeve: noise between 100 and 400 Hz that dies away in 10 ms.

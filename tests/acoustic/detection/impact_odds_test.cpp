@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "tracking/impact_odds.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -111,83 +109,6 @@ TEST(ImpactOdds, StatedProbabilitiesAreTheSharesThatAreRight) {
   EXPECT_LT(stated_in(marks, 0.0, 0.6).share_right, 0.85);
   // stated are 0.9985: three standard errors of some 600 below it
   EXPECT_GT(stated_in(marks, 0.99, 1.1).share_right, 0.994);
-}
-
-/// A drop of ten impacts, of which one is off its time by so much of the flight before it.
-std::vector<Candidate> drop_with_one_off(double off) {
-  std::vector<Candidate> candidates;
-  double t_s = 5.0, flight_s = 0.4;
-  for (int k = 0; k < 10; ++k) {
-    candidates.push_back({k == 6 ? t_s + off * flight_s : t_s, 500.0 * flight_s, 0.4e-3, 50.0});
-    t_s += flight_s;
-    flight_s *= 0.85;
-  }
-  return candidates;
-}
-
-Track whole(const std::vector<Candidate>& candidates) {
-  Track track;
-  for (std::size_t k = 0; k < candidates.size(); ++k) track.impacts.push_back({k, static_cast<std::int64_t>(k)});
-  return track;
-}
-
-std::vector<double> probabilities_of(const std::vector<Candidate>& candidates, Track track) {
-  const SameSource none;
-  const Observations o(candidates, 5e-5, none);
-  set_impact_probabilities(o, track);
-  std::vector<double> p;
-  for (const TrackImpact& impact : track.impacts) p.push_back(impact.probability);
-  return p;
-}
-
-TEST(ImpactOdds, AnImpactOffItsTimeIsLessProbableThanItsNeighbours) {
-  double last = 1.0;
-  for (const double off : {0.0, 0.05, 0.1}) {
-    const std::vector<Candidate> candidates = drop_with_one_off(off);
-    const std::vector<double> p = probabilities_of(candidates, whole(candidates));
-    if (off > 0.0) {
-      EXPECT_LT(p[6], last) << off;
-      EXPECT_LT(p[6], p[3]) << off;
-    }
-    for (const double each : p) EXPECT_TRUE(each > 0.0 && each <= 1.0) << each;
-    last = p[6];
-  }
-  EXPECT_LT(last, 0.5);  // at a tenth of the flight the ball's own is rather the one that was not detected
-}
-
-TEST(ImpactOdds, AnotherSoundThatFitsAboutAsWellTakesFromTheProbability) {
-  std::vector<Candidate> candidates = drop_with_one_off(0.0);
-  const double alone = probabilities_of(candidates, whole(candidates))[2];
-  Candidate other = candidates[2];
-  other.t_s += 3.5e-3;  // one of two sounds, not the same noticed twice, and as loud
-  candidates.insert(candidates.begin() + 3, other);
-  Track track = whole(candidates);
-  track.impacts.erase(track.impacts.begin() + 3);
-  for (std::size_t k = 3; k < track.impacts.size(); ++k) track.impacts[k].impact = static_cast<std::int64_t>(k);
-  const double beside = probabilities_of(candidates, track)[2];
-  EXPECT_GT(alone, 0.99);
-  EXPECT_LT(beside, 0.9);  // eps of the two differ by the ball's scatter
-}
-
-TEST(ImpactOdds, NeitherTheTimeNorTheGainOfARecordingMatters) {
-  const std::vector<Candidate> candidates = drop_with_one_off(0.05);
-  std::vector<Candidate> moved = candidates;
-  for (Candidate& c : moved) c.t_s += 1000.0, c.amplitude *= 1e-3;
-  const std::vector<double> p = probabilities_of(candidates, whole(candidates));
-  const std::vector<double> q = probabilities_of(moved, whole(moved));
-  for (std::size_t k = 0; k < p.size(); ++k) EXPECT_NEAR(p[k], q[k], 1e-6) << k;  // times are rounded to 1e-13 s
-}
-
-TEST(ImpactOdds, AnInferredImpactIsWorthItsSignificanceAmongThePlacesSearched) {
-  EXPECT_LT(probability_of_inferred(0.0, 100.0), 0.01);
-  EXPECT_NEAR(probability_of_inferred(std::log(100.0), 100.0), 1.0 / (2.0 + kTracking.other_sound), 1e-12);
-  EXPECT_NEAR(probability_of_inferred(1e6, 100.0), 1.0 / (1.0 + kTracking.other_sound), 1e-12);
-}
-
-TEST(ImpactOdds, AMarkIsAtMostAsProbableAsItsTrack) {
-  EXPECT_NEAR(probability_of_mark(std::log(4.0), 0.5), 0.4, 1e-6);
-  EXPECT_EQ(probability_of_mark(1000.0, 1.0), 1.0);
-  EXPECT_EQ(probability_of_mark(-1000.0, 1.0), 0.0);
 }
 
 TEST(ImpactOdds, ThreeImpactsAreADropOfLowOddsAndManyOneOfHigh) {

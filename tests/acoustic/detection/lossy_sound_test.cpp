@@ -187,43 +187,6 @@ TEST(LossySound, NoiseIsPredictedAlikeInEveryRecordingThoughACodecLeftNothingAbo
   }
 }
 
-TEST(ImpactWhitener, LeavesVarianceOneOfNoiseWithoutImpacts) {
-  const std::vector<float> x = noise(1 << 17, 3e-3, 6);
-  const audio::AudioSource sound = audio::source_in_memory(x, kRate_hz);
-  const ArModel model = learn_ar_models(sound, 48).noise;
-  for (const double unrepeated : {0.0, kTemplate.unrepeated}) {
-    const std::vector<float> whitener = impact_whitener(sound, model, {5000, 30000, 70000}, 1024, unrepeated);
-    std::vector<float> white(1 << 15);
-    read_innovations(sound, {whitener, 0.0}, 20000, white);
-    double sum = 0.0;
-    for (const float v : white) sum += static_cast<double>(v) * v;
-    EXPECT_NEAR(sum / static_cast<double>(white.size()), 1.0, 0.2);  // the quietest tenth is quieter
-  }
-}
-
-TEST(ImpactWhitener, LeavesNothingOfWhatACodecLetsThroughBeyondItsLimit) {
-  // below 2 kHz as recorded; above nothing but what the codec's filters leave of an impact, 100 dB down
-  std::vector<float> x = low_noise(1 << 16, 1e-3, 7);
-  const std::vector<std::int64_t> begins{8000, 20000, 32000, 44000};
-  test::ModalSound low = test::equal_modes({310.0, 740.0, 1300.0}, 4e-3, 0.05);
-  low.rise_s = 1e-3;  // without a corner, which sounds at all frequencies
-  for (const std::int64_t first : begins) {
-    test::add_modal_sound(x, kRate_hz, static_cast<double>(first + 100) / kRate_hz, 0.3, low);
-    test::add_modal_sound(x, kRate_hz, static_cast<double>(first + 100) / kRate_hz, 3e-6,
-                          test::equal_modes({17.0e3, 18.5e3, 20.0e3}, 4e-3, 0.05));
-  }
-  const audio::AudioSource sound = audio::source_in_memory(x, kRate_hz);
-  const ArModel model = learn_ar_models(sound, 48).noise;
-  const std::vector<float> whitener = impact_whitener(sound, model, begins, 1024, 0.0);
-  std::vector<float> white(1024);
-  read_innovations(sound, {whitener, 0.0}, begins[0], white);
-  audio::RealFft fourier(1024);
-  const audio::Spectrum spectrum = fourier.forward(white);
-  double above = 0.0;  // 14 kHz
-  for (std::size_t k = 300; k < spectrum.size(); ++k) above += audio::bin_power(spectrum, k);
-  EXPECT_LT(above, 212.0);  // noise of variance 1 has one a bin there
-}
-
 TEST(ImpactWhitener, IsFiniteInDigitalSilenceAndForWindowsShorterThanTheNoisesFilter) {
   std::vector<float> x(1 << 15, 0.0F);
   test::add_modal_sound(x, 1e3, 10.0, 0.3, test::equal_modes({90.0, 210.0}, 20e-3, 0.2));

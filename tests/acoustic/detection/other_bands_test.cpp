@@ -62,10 +62,8 @@ TEST(OtherBands, AddNothingBetweenImpactsThatFollowEachOther) {
   other.impacts.insert(other.impacts.begin() + 6, echo);
   for (std::size_t k = 6; k < other.impacts.size(); ++k) ++other.impacts[k].impact;
   EXPECT_EQ(add_impacts_of_other_band(other, -INFINITY, INFINITY, drop), 0u);
-}
-
-TEST(OtherBands, AddNothingOfAnotherDrop) {
-  TimedDrop drop = drop_of(0, 12, 0.0, 0.9);
+  // nor of another drop
+  drop = drop_of(0, 12, 0.0, 0.9);
   EXPECT_EQ(add_impacts_of_other_band(drop_of(0, kImpacts, 55e-3, 0.9), -INFINITY, INFINITY, drop), 0u);
 }
 

@@ -10,6 +10,7 @@
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/random.hpp"
 #include "contact/pulse_spectrum.hpp"
+#include "delay/ringing.hpp"
 #include "support/modal_sound.hpp"
 
 namespace bouncelab::detection {
@@ -123,15 +124,20 @@ TEST(OverlapSeparation, SlowImpactsAreSubtractedWithTheirOwnContactTime) {
   EXPECT_GT(without_law.ratio, 2.0 * with_law.ratio);
 }
 
-TEST(OverlapSeparation, ImpactsThatRingAloneStayWhereTheyAre) {
-  std::vector<float> sound(4000, 0.0F);
-  TimedImpact impact;
-  impact.fit.t_s = 0.02;
-  std::vector<TimedImpact> impacts = {impact};
-  const audio::AudioSource source = audio::source_in_memory(sound, kRate_hz);
-  WhiteSound white(source);
-  separate_overlaps(white, learned(), ContactLaw{}, 1.0, impacts);
-  EXPECT_EQ(impacts[0].fit.t_s, 0.02);
+TEST(Ringing, SharesTheAmplitudeBetweenImpactsThatCannotBeToldApart) {
+  const ImpactTemplate impact_template = learned();
+  std::vector<float> x(4000, 0.0F);
+  add(x, impact_template, 0.7, 1.0, 1500.25);
+  const audio::AudioSource sound = audio::source_in_memory(x, kRate_hz);
+  for (const double apart_s : {0.0, 1e-10, 1e-8}) {
+    WhiteSound white(sound);
+    Ringing ringing(white, impact_template);
+    ringing.add(1500.25 / kRate_hz, 0.3);
+    ringing.add(1500.25 / kRate_hz + apart_s, 0.3);
+    ringing.fit_amplitudes({true, true});
+    EXPECT_NEAR(ringing.amplitude(0) + ringing.amplitude(1), 0.7, 1e-2) << apart_s;
+    EXPECT_NEAR(ringing.amplitude(0), ringing.amplitude(1), 0.35) << apart_s;
+  }
 }
 
 }  // namespace

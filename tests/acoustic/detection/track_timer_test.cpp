@@ -110,27 +110,5 @@ TEST(TrackTimer, FindsAMissingImpactThoughTheCandidateBehindItIsLate) {
   expect_all_impacts(timed(all_but_one, {{time_of(15) + 11e-3, 0.05}}, {{15, 11e-3}}));
 }
 
-TEST(TrackPrediction, FollowsNoSingleImpactInAWrongPlace) {
-  for (const int wrong : {20, 21, 22, 23}) {
-    std::vector<TimedImpact> track(kImpacts);
-    for (int k = 0; k < kImpacts; ++k) {
-      track[static_cast<std::size_t>(k)].impact = k;
-      track[static_cast<std::size_t>(k)].fit.t_s = time_of(k) + (k == wrong ? 4e-3 : 0.0);
-    }
-    EXPECT_NEAR(predict_next(track).t_s, time_of(kImpacts), 1e-9) << wrong;
-  }
-}
-
-TEST(TrackPrediction, CountsTheImpactsThatAreMissing) {
-  std::vector<TimedImpact> track;
-  for (const int k : {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 12}) {
-    track.emplace_back();
-    track.back().impact = k;
-    track.back().fit.t_s = time_of(k);
-  }
-  EXPECT_NEAR(predict_next(track).t_s, time_of(13), 1e-9);
-  EXPECT_NEAR(predict_next(track).flight_s, time_of(13) - time_of(12), 1e-9);
-}
-
 }  // namespace
 }  // namespace bouncelab::detection

@@ -9,7 +9,6 @@
 
 #include "bouncelab/core/random.hpp"
 #include "candidate_rows.hpp"
-#include "extended.hpp"
 #include "tracking/hypothesis.hpp"
 #include "tracking/rescoring.hpp"
 

@@ -13,43 +13,19 @@
 
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/random.hpp"
+#include "support/statistics.hpp"
 
 namespace bouncelab::synthesis {
 namespace {
 
-TEST(WhiteNoise, IsStandardNormal) {
-  std::vector<double> x(1 << 20, 0.0);
-  WhiteNoise(7, 0).add(0, 1.0, x);
-  const auto n = static_cast<double>(x.size());
-  double m2 = 0.0, m4 = 0.0, mean = 0.0, lag = 0.0;
-  for (std::size_t k = 0; k < x.size(); ++k) {
-    mean += x[k] / n;
-    m2 += x[k] * x[k] / n;
-    m4 += std::pow(x[k], 4) / n;
-    if (k) lag += x[k] * x[k - 1] / n;
-  }
-  // four standard errors: 1, sqrt 2, sqrt 96, 1 over sqrt n
-  EXPECT_NEAR(mean, 0.0, 4.0 / std::sqrt(n));
-  EXPECT_NEAR(m2, 1.0, 4.0 * std::sqrt(2.0 / n));
-  EXPECT_NEAR(m4, 3.0, 4.0 * std::sqrt(96.0 / n));
-  EXPECT_NEAR(lag, 0.0, 4.0 / std::sqrt(n));
-  // Kolmogorov-Smirnov over the whole range: 1.95/sqrt(n) is the 0.1% point
-  std::sort(x.begin(), x.end());
-  double distance = 0.0;
-  for (std::size_t k = 0; k < x.size(); ++k)
-    distance =
-        std::max(distance, std::abs(0.5 * std::erfc(-x[k] / std::sqrt(2.0)) - (static_cast<double>(k) + 0.5) / n));
-  EXPECT_LT(distance, 1.95 / std::sqrt(n));
-}
-
 TEST(WhiteNoise, HasTheNormalsBinsAndTails) {
   constexpr int kBins = 1200;  // of 0.01 over +-6
   constexpr std::size_t kPiece = 1 << 16;
-  constexpr int kPieces = 512;
+  const int n_pieces = test::repetitions(64, 512);
   std::vector<double> counts(kBins, 0.0);
   std::vector<float> x(kPiece);
   double n_beyond_4 = 0.0, n_beyond_5 = 0.0;
-  for (int piece = 0; piece < kPieces; ++piece) {
+  for (int piece = 0; piece < n_pieces; ++piece) {
     std::fill(x.begin(), x.end(), 0.0F);
     WhiteNoise(11, 1).add(std::int64_t{piece} * static_cast<std::int64_t>(kPiece), 1.0, std::span<float>(x));
     for (const float v : x) {
@@ -58,10 +34,10 @@ TEST(WhiteNoise, HasTheNormalsBinsAndTails) {
       if (std::abs(v) < 6.0F) counts[static_cast<std::size_t>((static_cast<double>(v) + 6.0) * 100.0)] += 1.0;
     }
   }
-  const double n = static_cast<double>(kPiece) * kPieces;
+  const double n = static_cast<double>(kPiece) * n_pieces;
   const auto beyond = [n](double z) { return n * std::erfc(z / std::sqrt(2.0)); };
-  EXPECT_NEAR(n_beyond_4, beyond(4.0), 4.0 * std::sqrt(beyond(4.0))) << "2126 expected";
-  EXPECT_NEAR(n_beyond_5, beyond(5.0), 4.0 * std::sqrt(beyond(5.0))) << "19 expected";
+  EXPECT_NEAR(n_beyond_4, beyond(4.0), 4.0 * std::sqrt(beyond(4.0)));
+  EXPECT_NEAR(n_beyond_5, beyond(5.0), 4.0 * std::sqrt(beyond(5.0)));
   double chi2 = 0.0;
   int n_bins = 0;
   for (std::size_t k = 0; k < counts.size(); ++k) {
@@ -71,13 +47,13 @@ TEST(WhiteNoise, HasTheNormalsBinsAndTails) {
     chi2 += (counts[k] - expected) * (counts[k] - expected) / expected;
     ++n_bins;
   }
-  EXPECT_GT(n_bins, 800);
+  EXPECT_GT(n_bins, 700);
   EXPECT_NEAR(chi2, n_bins, 4.0 * std::sqrt(2.0 * n_bins)) << "four standard deviations of chi squared";
 }
 
 TEST(WhiteNoise, IsWhite) {
   // coordinates of one point are 16 frames apart, points of one block 32, blocks 1; squares would show a common radius
-  std::vector<double> x(1 << 22, 0.0);
+  std::vector<double> x(test::repetitions<std::size_t>(1 << 19, 1 << 22), 0.0);
   WhiteNoise(3, 0).add(-1000, 1.0, x);
   const auto n = static_cast<double>(x.size());
   for (std::size_t lag = 1; lag <= 130; ++lag) {
@@ -106,16 +82,6 @@ TEST(NoiseWords, AreThoseOfPhilox) {
       for (std::size_t w = 0; w < 4; ++w) ASSERT_EQ(words.word[w][k], expected[w]) << k << " " << w;
     }
   }
-}
-
-TEST(WhiteNoise, IsAFunctionOfTheFrameNumber) {
-  std::vector<double> whole(1000, 0.0), part(317, 0.0);
-  WhiteNoise(7, 2).add(5000, 0.5, whole);
-  WhiteNoise(7, 2).add(5133, 0.5, part);
-  for (std::size_t k = 0; k < part.size(); ++k) ASSERT_EQ(part[k], whole[133 + k]) << k;
-  std::vector<double> other(1000, 0.0);
-  WhiteNoise(7, 3).add(5000, 0.5, other);
-  EXPECT_NE(other, whole);
 }
 
 TEST(FlickerFilter, PowerFallsLikeOneOverFBelowTheCornerAndIsFlatAbove) {

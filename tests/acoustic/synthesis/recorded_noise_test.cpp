@@ -5,13 +5,14 @@
 #include <algorithm>
 #include <cmath>
 #include <span>
-#include <string>
+#include <utility>
 #include <vector>
 
 #include "bouncelab/synthesis/synthetic_recording.hpp"
 #include "few_impacts.hpp"
 #include "scene/noise.hpp"
 #include "support/sanitizers.hpp"
+#include "support/statistics.hpp"
 
 namespace bouncelab::synthesis {
 namespace {
@@ -72,18 +73,13 @@ double matched_filter_error_over_bound(double corner_hz, int n_trials) {
   return std::sqrt(sum_of_squares / n_trials) / config.rate_hz / bound_s;
 }
 
-TEST(Synthesis, AMatchedFilterThatKnowsTheWaveReachesTheBound) {
+TEST(Synthesis, AMatchedFilterThatKnowsTheWaveReachesTheBoundAlsoInFlickerNoise) {
   if (test::kSanitizer != nullptr) GTEST_SKIP() << test::kRepetitions;
-  const double ratio = matched_filter_error_over_bound(0.0, 2000);
-  RecordProperty("error_over_bound", std::to_string(ratio));
-  EXPECT_NEAR(ratio, 1.0, 0.05) << "an rms from 2000 trials is known to 1.6%";
-}
-
-TEST(Synthesis, SoItDoesInFlickerNoise) {
-  if (test::kSanitizer != nullptr) GTEST_SKIP() << test::kRepetitions;
-  const double ratio = matched_filter_error_over_bound(500.0, 400);
-  RecordProperty("error_over_bound", std::to_string(ratio));
-  EXPECT_NEAR(ratio, 1.0, 0.10) << "an rms from 400 trials is known to 3.5%";
+  for (const auto& [corner_hz, n_trials] :
+       {std::pair{0.0, test::repetitions(200, 2000)}, std::pair{500.0, test::repetitions(40, 400)}})
+    // an rms of n trials is known to 1/sqrt(2 n): three of these
+    EXPECT_NEAR(matched_filter_error_over_bound(corner_hz, n_trials), 1.0, 3.0 / std::sqrt(2.0 * n_trials))
+        << corner_hz;
 }
 
 }  // namespace

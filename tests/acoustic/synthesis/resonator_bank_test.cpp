@@ -10,9 +10,7 @@
 #include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/numerics.hpp"
-#include "bouncelab/core/random.hpp"
 #include "excitation/cramer_rao.hpp"
-#include "excitation/ringing_transform.hpp"
 #include "sensor/converter.hpp"
 
 namespace bouncelab::synthesis {
@@ -152,66 +150,6 @@ TEST(ResonatorBank, AdvancingIsRinging) {
               (Complex{0.3, 0.4} * std::exp(bank.poles_per_s()[0] * 639.0 / kRate_hz)).real() +
                   0.5 * std::exp(-900.0 * 639.0 / kRate_hz),
               1e-13);
-}
-
-/// 90 modes from 700 Hz to 46 kHz, as strongly damped as those of a plate; an AC coupling and a sensor's resonance.
-std::vector<Complex> many_poles() {
-  std::vector<Complex> poles;
-  for (int k = 0; k < 90; ++k) {
-    const double radps = 2.0 * kPi * (700.0 + 504.7 * k + 3.0 * (k % 7));
-    poles.emplace_back(-(80.0 + 1e-3 * radps), radps);
-  }
-  poles.emplace_back(-900.0, 0.0);
-  poles.emplace_back(-4e4, 2.0 * kPi * 24e3);
-  return poles;
-}
-
-TEST(RingingTransform, GivesTheSumOfDampedSinusoids) {
-  const std::vector<Complex> poles = many_poles();
-  std::vector<Complex> steps;
-  for (const Complex& pole : poles) steps.push_back(pole / kRate_hz);
-  const RingingTransform transform(steps);
-  std::size_t n_held = 0;
-  for (std::size_t p = 0; p < poles.size(); ++p) n_held += transform.holds(p) ? 1 : 0;
-  EXPECT_EQ(n_held, 90u) << "all but the last two";
-  Random random(1, RandomStream::test, 7);
-  double worst = 0.0;
-  for (std::size_t p = 0; p < 90; ++p) {
-    PoleValuesOf<float> z(poles.size());
-    z.set(p, std::complex<float>(polar(1.0, random.uniform(0.0, 6.28))));
-    std::vector<float> out(RingingTransform::kFrames, 0.0F);
-    transform.add(z.re.data(), z.im.data(), out);
-    for (std::size_t j = 0; j < out.size(); ++j)
-      worst = std::max(worst, std::abs(static_cast<double>(out[j]) -
-                                       (Complex(z[p]) * std::exp(steps[p] * static_cast<double>(j))).real()));
-  }
-  EXPECT_LT(worst, 1.5e-6) << "single precision, times 2.4 at the ends";
-  EXPECT_GT(worst, 1e-9);
-}
-
-TEST(ResonatorBank, RingsInSinglePrecisionAsInDouble) {
-  const ResonatorBank bank(many_poles(), kRate_hz);
-  PoleValues single(bank.size());
-  Random random(1, RandomStream::test, 8);
-  for (std::size_t p = 0; p < bank.size(); ++p) single.set(p, polar(0.01, p == 90 ? 0.0 : random.uniform(0.0, 6.28)));
-  PoleValues doubles = single;
-  constexpr std::size_t kFrames = 64 * 150;  // of which the last 384 are short of a transform
-  std::vector<float> y(kFrames, 0.0F);
-  std::vector<double> expected(kFrames, 0.0);
-  bank.ring(single, 1e-9, y);
-  bank.ring(doubles, 1e-11, expected);
-  double sum = 0.0, energy = 0.0, largest = 0.0;
-  for (std::size_t k = 0; k < kFrames; ++k) {
-    const double difference = static_cast<double>(y[k]) - expected[k];
-    sum += difference * difference;
-    energy += expected[k] * expected[k];
-    largest = std::max(largest, std::abs(difference));
-  }
-  EXPECT_LT(std::sqrt(sum / energy), 1e-6) << "120 dB";
-  EXPECT_LT(largest, 3e-7) << "of a sum of amplitudes of 0.92";
-  EXPECT_GT(largest, 0.0);
-  // the state is advanced in double precision by either way
-  for (std::size_t p = 0; p < bank.size(); ++p) EXPECT_LT(std::abs(single[p] - doubles[p]), 1.1e-9) << p;
 }
 
 TEST(WaveMeter, ClosedFormEqualsTheSumOverSamples) {

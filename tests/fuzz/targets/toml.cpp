@@ -17,13 +17,13 @@ struct Options {
   bool force_it = false;
 };
 
-const Description& members_of(const Options*) {
-  static const Description options{member("drops", &Options::drops, "").within(1, 100),
-                                   member("snr_db", &Options::snr_db, ""),
-                                   member("radius_law", &Options::radius_law, ""),
-                                   member("height", &Options::height, "").with_commas("X,Y", 1, 2).within(0.0, 10.0),
-                                   member("nodes", &Options::nodes, ""),
-                                   member("force_it", &Options::force_it, "")};
+Description members_of(const Options*) {
+  static constexpr Member options[]{member<&Options::drops>("drops", "").within(1, 100),
+                                    member<&Options::snr_db>("snr_db", ""),
+                                    member<&Options::radius_law>("radius_law", ""),
+                                    member<&Options::height>("height", "").with_commas("X,Y", 1, 2).within(0.0, 10.0),
+                                    member<&Options::nodes>("nodes", ""),
+                                    member<&Options::force_it>("force_it", "")};
   return options;
 }
 
@@ -31,7 +31,7 @@ template <int kCommand>
 cli::Command command() {
   static Options options;
   const std::string name = kCommand == 0 ? "loop" : kCommand == 1 ? "simulate" : "fit";
-  return {name, "", "", {{"", &members_of(&options), &options, {"simulate"}}}, {}, {"simulate", "report"}};
+  return {name, "", "", {options::section_of(options, "", {"simulate"})}, {}, {"simulate", "report"}};
 }
 
 const std::vector<cli::CommandName> kCommands{

@@ -105,7 +105,7 @@ Outcome write_analysis(const loop::Analysis& found, const loop::AnalyzeConfig& c
   if (files.size() == 1) report::keep_three(warnings, words);
   choose_doubt(files.size() == 1 ? without_name(warnings, files.front()) : warnings, words);
   write_files(found, words, inputs, folder, run);
-  outcome.result = object_of(members_of(&found), &found);
+  outcome.result = object_of(found);
   outcome.result.emplace_back("answer", value_of(words.answer));
   outcome.result.emplace_back("warnings", warnings);
   write_json(run, folder / "summary.json", outcome.result, 2, {folder / "fit.json"});

@@ -1,7 +1,400 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "options/commands.hpp"
 
+#include <filesystem>
+#include <memory>
+
+#include "bouncelab/core/impacts.hpp"
+#include "bouncelab/synthesis/synthetic_recording.hpp"
+#include "commands/analyze_command.hpp"
+#include "commands/beside_commands.hpp"
+#include "commands/compare_command.hpp"
+#include "commands/convert_command.hpp"
+#include "commands/dem_command.hpp"
+#include "stages/ball_of_files.hpp"
+#include "stages/calibrate.hpp"
+#include "stages/detect.hpp"
+#include "stages/fit.hpp"
+#include "stages/loop.hpp"
+#include "stages/report.hpp"
+#include "stages/restitution.hpp"
+#include "stages/roughness.hpp"
+#include "stages/simulate.hpp"
+#include "stages/synthesize.hpp"
+#include "stages/validate.hpp"
+
 namespace bouncelab::cli {
+namespace {
+
+constexpr Member kList =
+    member<&DetectOptions::list>("list", "File with more recordings, one a line").looks_like("FILE");
+
+Section in_full_help(Section section) {
+  section.only_in_full_help = true;
+  return section;
+}
+
+/// Of several recordings another than that of the first alone, whose report would be in the way.
+std::string folder_beside(const std::vector<std::filesystem::path>& recordings) {
+  const std::filesystem::path& path = recordings.front();
+  if (path == "-") return "standard-input-bouncelab";
+  const std::string more = recordings.size() > 1 ? "-and-" + std::to_string(recordings.size() - 1) + "-more" : "";
+  return (path.parent_path() / (path.stem().string() + more + "-bouncelab")).string();
+}
+
+Command analyze_command() {
+  using O = AnalyzeOptions;
+  static constexpr Member recordings[]{
+      member<&DetectOptions::recordings>(
+          "recordings",
+          "Recordings: WAV, FLAC, MP3 ...; m4a, mp4 and others by ffmpeg; .npy, .csv of samples; - = standard input; "
+          "or tables of impact times or intervals and marks, of any program")
+          .positional(),
+      kList};
+  static constexpr Member outputs[]{
+      member<&O::out>(
+          "out",
+          "Folder for onsets, samples, fit and report (default: beside the first recording, its name + -bouncelab; "
+          "of three NAME-and-2-more-bouncelab)")
+          .writes("FOLDER"),
+      member<&O::diagnostics>(
+          "diagnostics", "Details of each drop in the report: sound and marks, intervals, learned waveform, noise")};
+  auto options = std::make_shared<O>();
+  return {
+      "analyze",
+      "Recordings, or impact times -> eps(v) -> constants and a report; nothing has to be set",
+      "Example: bouncelab analyze drop.wav --out out/drop\n"
+      "         bouncelab analyze times.csv --ball table-tennis",
+      {{"", recordings, &options->detect},
+       {"", outputs, options.get()},
+       ball_section(options->restitution.world, "not known, so that drag and contact time stay open",
+                    {"restitution", "fit"}),
+       in_full_help(section_of(options->restitution.foreign, "Marks and tables of other programs, in place of sound")),
+       in_full_help(section_of(options->detect.config, "Detection", {"detect"})),
+       in_full_help(section_of(options->restitution.config, "Coefficients of restitution", {"restitution"})),
+       in_full_help(section_of(options->restitution, "Coefficients of restitution", {"restitution"})),
+       in_full_help(section_of(options->fit.config, "Fit", {"fit"}))},
+      [options](Run& run) {
+        if (options->out.empty()) {
+          options->out = folder_beside(recordings_of(options->detect));
+          set_parameter(run.parameters, "out", options->out);
+        }
+        std::vector<std::string> files;
+        for (const std::filesystem::path& file : recordings_of(options->detect)) files.push_back(file.string());
+        options->restitution = with_conditions_of(files, options->restitution, run);
+        return run_analyze(*options, run);
+      },
+      {"detect", "restitution", "fit", "report"}};
+}
+
+Command loop_command() {
+  auto options = std::make_shared<LoopOptions>();
+  return {
+      "loop",
+      "The closed loop: simulate -> synthesize -> detect -> restitution -> fit -> report, all results in one folder",
+      "Examples: bouncelab loop --preset quick --out out/loop\n"
+      "          bouncelab loop --preset paper --out out/paper\n"
+      "          bouncelab loop --config samples/sweep.toml --out out/sweep   (lists in the file are run through)",
+      loop_sections(*options),
+      [options](Run& run) {
+        apply_loop_preset(*options, run);
+        return run.sweep.empty() ? run_loop(*options, run) : run_sweep(*options, run);
+      },
+      {"simulate", "synthesize", "detect", "restitution", "fit", "report"},
+      true};
+}
+
+Command simulate_command() {
+  using O = SimulateOptions;
+  static constexpr Member files[]{
+      member<&O::out>("out", "Impacts, .csv or .jsonl").writes("FILE").required(),
+      member<&O::write_surface>("write_surface", "Write the asperities, .csv or .jsonl").writes("FILE")};
+  auto options = std::make_shared<O>();
+  return {"simulate",
+          "Drop a rough ball: impact times, velocities, asperities",
+          "Example: bouncelab simulate --drops 10 --asperities 100000 --out impacts.csv",
+          {{"", files, options.get()},
+           ball_section(options->world),
+           section_of(*options, "Ball, ground and drops"),
+           simulation_alone_section(*options)},
+          [options](Run& run) {
+            if (options->preset == "paper") apply_paper_preset(*options, run);
+            return run_simulate(*options, run);
+          },
+          {},
+          false,
+          {{"Columns of the impacts", description_of(columns_of(static_cast<const Impact*>(nullptr)))},
+           {"With --state also, at the instant of contact, z normal to the plate",
+            description_of(columns_of(static_cast<const ImpactState*>(nullptr)))}}};
+}
+
+Command synthesize_command() {
+  using O = SynthesizeOptions;
+  static constexpr Member files[]{
+      member<&O::impacts>("impacts", "Impacts: FILE.csv or FILE.jsonl").required().positional(),
+      member<&O::out>("out", "Sound: .wav (RF64 above 4 GiB), .flac, .w64 or .rf64").writes("FILE").required(),
+      member<&O::truth>("truth", "True onsets (default OUT without its extension + .truth.csv)").writes("FILE"),
+      member<&O::each_drop>("each_drop", "One file for each drop: NAME.0000.wav, NAME.0001.wav ...")};
+  auto options = std::make_shared<O>();
+  options->world = {};
+  return {"synthesize",
+          "Impact times to sound: plate, sensor, noise; exact times beside it as truth",
+          "Example: bouncelab synthesize impacts.csv --out recording.flac --snr-db 20 --hum 0.5",
+          {{"", files, options.get()},
+           ball_section(options->world, "those of the impacts' .meta.json, else steel:6mm on glass"),
+           section_of(*options, "Sound"),
+           codec_section(*options),
+           disturbances_section(*options)},
+          [options](Run& run) {
+            BallChoice& world = options->world = with_provenance(options->world, {options->impacts});
+            if (world.ball.empty()) world.ball = kPaperBall.ball;
+            if (world.plate.empty()) world.plate = kPaperBall.plate;
+            set_parameter(run.parameters, "ball", world.ball);
+            set_parameter(run.parameters, "plate", world.plate);
+            keep_conditions_of(options->impacts, run.parameters);
+            return run_synthesize(*options, run);
+          },
+          {},
+          false,
+          {{"Columns of the truth, a row for each impact, and `recording`, the file of the sound",
+            description_of(columns_of(static_cast<const synthesis::TrueImpact*>(nullptr)))}}};
+}
+
+Command detect_command() {
+  static constexpr Member files[]{
+      member<&DetectOptions::recordings>(
+          "recordings",
+          "Recordings: WAV, FLAC, MP3 ...; m4a, mp4 and others by ffmpeg; .npy, .csv of samples; - = standard input")
+          .positional(),
+      kList, member<&DetectOptions::out>("out", "Onsets, .csv").writes("FILE").required(),
+      member<&DetectOptions::labels>("labels", "Also an Audacity label track").writes("FILE")};
+  auto options = std::make_shared<DetectOptions>();
+  return {"detect",
+          "Impact times of bouncing balls in recordings, with standard errors; nothing has to be set",
+          "Example: bouncelab detect drop.wav --out onsets.csv --labels drop.txt",
+          {{"", files, options.get()}, section_of(options->config, "Detection")},
+          [options](Run& run) { return run_detect(*options, run); }};
+}
+
+Command restitution_command() {
+  using O = RestitutionOptions;
+  static constexpr Member files[]{
+      member<&O::onsets>(
+          "onsets",
+          "Onsets, as detect writes them; or marks, or a table of times or intervals from any program. Several files "
+          "are taken in this order; rows without a recording are of one that is called like the file")
+          .required()
+          .positional(),
+      member<&O::out>("out", "Samples, .csv").writes("FILE").required()};
+  auto options = std::make_shared<O>();
+  return {"restitution",
+          "Coefficients of restitution from impact times: ratios of neighbouring intervals",
+          "Example: bouncelab restitution onsets.csv --out samples.csv\n"
+          "         bouncelab restitution monday.csv tuesday.csv --out samples.csv",
+          {{"", files, options.get()},
+           ball_section(options->world,
+                        "those of the simulation that the onsets come from (.meta.json), else not known: drag and "
+                        "contact time are then "
+                        "open"),
+           section_of(options->foreign, "Marks and tables of other programs"),
+           section_of(options->config, "Coefficients of restitution"),
+           section_of(*options, "Coefficients of restitution")},
+          [options](Run& run) {
+            *options = with_conditions_of(options->onsets, *options, run);
+            return run_restitution(*options, run).outcome;
+          }};
+}
+
+Command fit_command() {
+  using O = FitOptions;
+  static constexpr Member files[]{
+      member<&O::samples>(
+          "samples",
+          "Samples; columns v_mps and eps are enough, or a table of speeds and eps from elsewhere. Recordings, by "
+          "the column `recording` or else by the name of "
+          "the file, are tested for agreement; where two files have the same drop of the same recording, they are "
+          "two recordings")
+          .required()
+          .positional(),
+      member<&O::out>("out", "Results, .json").writes("FILE").required(),
+      member<&O::columns>("columns", "Which columns of a table from elsewhere are what (default: by their titles)")
+          .looks_like("v=COLUMN,eps=COLUMN"),
+      member<&O::table>("table", "Also the law as a table v_mps, eps, lo95, hi95").writes("FILE"),
+      member<&O::histograms>("histograms", "Also p(eps) in windows of speed: bins, counts, density with its error, fit")
+          .writes("FILE")};
+  auto options = std::make_shared<O>();
+  return {"fit",
+          "The law eps(v) and the histograms p(eps) from coefficients of restitution",
+          "Example: bouncelab fit samples.csv --out fit.json\n"
+          "         bouncelab fit ball_a.csv ball_b.csv --out fit.json",
+          {{"", files, options.get()},
+           ball_section(options->world, "what the samples say"),
+           section_of(options->config, "Fit")},
+          [options](Run& run) { return run_fit(*options, run).outcome; }};
+}
+
+Command roughness_command() {
+  using O = RoughnessOptions;
+  static constexpr Member files[]{
+      member<&O::samples>(
+          "samples", "Samples of one ball, as restitution writes them: 60 impacts or more, drops of 10 successive ones")
+          .required()
+          .positional(),
+      member<&O::out>("out", "Also the results, .json").writes("FILE")};
+  auto options = std::make_shared<O>();
+  return {
+      "roughness",
+      "The roughness of a ball from the scatter of its coefficients of restitution: q, and surfaces that scatter so",
+      "Example: bouncelab roughness samples.csv\n"
+      "         bouncelab roughness shell.csv --ball table-tennis --out roughness.json",
+      {{"", files, options.get()},
+       ball_section(options->world, "what the samples say, else a solid ball of the paper's radius"),
+       section_of(options->config)},
+      [options](Run& run) { return run_roughness(*options, run); }};
+}
+
+Command compare_command() {
+  using O = CompareOptions;
+  static constexpr Member files[]{
+      member<&O::samples>("samples",
+                          "Samples, as restitution writes them, ordered by recording, or recordings: from 2 on")
+          .required()
+          .positional(),
+      member<&O::out>("out", "Folder for comparison.json, comparison.csv and report.html").writes("FOLDER").required(),
+      member<&O::groups>("groups",
+                         "Table of columns recording, plate, date; without it dates in the recordings' names are taken")
+          .looks_like("FILE"),
+      member<&O::title>("title", "Title of the page")};
+  auto options = std::make_shared<O>();
+  return {"compare",
+          "Two recordings or plates: do they differ, and by what? Many: the pooled law, drift, plates, outliers",
+          "Example: bouncelab compare glass.wav wood.wav --out out/plates\n"
+          "         bouncelab compare samples.csv --groups plates.csv --out out/campaign",
+          {{"", files, options.get()}, ball_section(options->restitution.world, "not known", {"restitution"})},
+          [options](Run& run) { return run_compare(*options, run); }};
+}
+
+Command report_command() {
+  using O = ReportOptions;
+  static constexpr Member files[]{
+      member<&O::folder>("folder", "Folder that `loop`, `analyze` or `fit` wrote to").required().positional(),
+      member<&O::out>("out", "HTML file to write; default FOLDER/report.html").writes("FILE"),
+      member<&O::title>("title", "Title of the page"),
+      member<&O::figures>(
+          "figures",
+          "Each figure as SVG and PDF into this folder, in place of the page unless --out names one; needs Chromium, "
+          "Chrome or Edge")
+          .writes("FOLDER")};
+  auto options = std::make_shared<O>();
+  return {"report",
+          "fit.json and what lies beside it -> one HTML file with pictures",
+          "Example: bouncelab report out/loop --out report.html\n"
+          "         bouncelab report out/loop --figures figures",
+          {{"", files, options.get()}},
+          [options](Run& run) { return run_report(*options, run); }};
+}
+
+Command dem_command() {
+  using O = DemOptions;
+  static constexpr Member all[]{
+      member<&O::fit>("fit", "fit.json, as fit, analyze and loop write it").required().positional(),
+      member<&O::code>("code", "For which code").one_of("liggghts,lammps,yade,mercurydpm,c++,python,formulas"),
+      member<&O::model>("model", "Of the contact; default: constant eps, fluctuating for c++, python and formulas")
+          .one_of("constant,viscoelastic,fluctuating,memory")};
+  auto options = std::make_shared<O>();
+  return {
+      "dem",
+      "Prints a fitted ball as input of a discrete-element code: one impact on a plate, complete, to try and to copy "
+      "from; or a function that draws fluctuating coefficients of restitution (docs/dem.md)",
+      "Example: bouncelab dem fit.json --code lammps --model viscoelastic > in.ball && lmp -in in.ball -var v 0.3",
+      {{"", all, options.get()}},
+      [options](Run&) { return run_dem(*options); }};
+}
+
+Command convert_command() {
+  using O = ConvertOptions;
+  static constexpr Member files[]{
+      member<&O::input>("input", "Onsets, or marks or times of any program").required().positional(),
+      member<&O::outputs>("to", "Files to write").writes("FILE").required(),
+      member<&O::foreign, &ForeignFileOptions::recording>(
+          "recording", "Recording of the marks (Audacity's do not name it); of several in a table, the one to mark"),
+      member<&O::foreign, &ForeignFileOptions::renumber>(
+          "renumber",
+          "Number the impacts of each drop anew: after marks were taken away, or their intervals stay out")};
+  auto options = std::make_shared<O>();
+  return {"convert",
+          "Onsets to marks that sound editors show, and marks corrected there back to onsets.\n"
+          "Written by extension: .csv, .jsonl (JSON Lines); .txt (Audacity labels), .svl (Sonic Visualiser), .TextGrid "
+          "(Praat), .wav, .rf64 (cue points in a copy of the recording). Labels hold all that is known of an onset "
+          "(Audacity's in FILE.txt.onsets.csv beside them), so nothing is lost. A mark that was moved by more than the "
+          "format resolves (Audacity 0.5 us; .svl and cues half a sample; .TextGrid 1 ns), or made, counts as it "
+          "stands, without standard error, flagged by_hand.",
+          "Example: bouncelab convert onsets.csv --to marks.txt\n"
+          "         bouncelab convert marks.txt --recording drop.wav --to corrected.csv",
+          {{"", files, options.get()}, section_of(options->foreign, "Marks and tables of other programs")},
+          [options](Run& run) { return run_convert(*options, run); }};
+}
+
+Command validate_command() {
+  auto options = std::make_shared<ValidateOptions>();
+  return {
+      "validate",
+      "Any onset detector against sound whose times are exactly known: precision, recall, jitter, bound, errors",
+      "Examples: bouncelab validate --config samples/validate.toml --detector builtin --detector 'aubioonset -i "
+      "{wav}' --out out/validate\n"
+      "          bouncelab validate --recordings folder --truth folder --detector 'python3 mine.py {wav}' --out "
+      "out/mine\n"
+      "          bouncelab validate --marks mine.txt --truth truth.csv\n"
+      "Of each list in the configuration file the first value holds in all recordings but those of its other values.",
+      validate_sections(*options),
+      [options](Run& run) { return run_validate(*options, run); },
+      {"simulate", "synthesize"},
+      true};
+}
+
+Command calibrate_command() {
+  using O = CalibrateOptions;
+  static constexpr Member files[]{
+      member<&O::out>("out", "With --memory: table of the experiments, .csv").writes("FILE")};
+  auto options = std::make_shared<O>();
+  return {"calibrate",
+          "Calibration of the fit: pulls and coverage on drops of a rough ball drawn from the paper's law, and the "
+          "Cramer-Rao bound of independent samples",
+          "Examples: bouncelab calibrate --samples 20000 --seeds 500 --timing 8.7e-4\n"
+          "          bouncelab calibrate --memory --experiments 200 --out experiments.csv",
+          {section_of(*options), {"", files, options.get()}},
+          [options](Run& run) {
+            check_calibrate_options(*options, run.given);
+            return run_calibrate(*options, run);
+          }};
+}
+
+Command balls_command() {
+  return {"balls",
+          "Lists the balls, materials and plates that --ball and --plate know, with their numbers and sources",
+          "Example: bouncelab balls --json",
+          {},
+          [](Run&) { return run_balls(); }};
+}
+
+Command completion_command() {
+  static constexpr Member options[]{
+      member<&CompletionOptions::shell>("shell", "bash, zsh or fish; words: what their scripts ask for")
+          .one_of("bash,zsh,fish,words")
+          .required()
+          .positional(),
+      member<&CompletionOptions::typed>("typed", "Of `words`: what is typed, the word to complete last").positional()};
+  auto words = std::make_shared<CompletionOptions>();
+  return {"completion",
+          "A script by which bash, zsh or fish complete bouncelab's words",
+          "Examples: bouncelab completion bash > ~/.local/share/bash-completion/completions/bouncelab\n"
+          "          bouncelab completion fish > ~/.config/fish/completions/bouncelab.fish\n"
+          "          bouncelab completion zsh > DIR/_bouncelab   (DIR in $fpath)",
+          {{"", options, words.get()}},
+          [words](Run&) { return run_completion(*words); }};
+}
+
+}  // namespace
 
 // in the order of --help; stages in that of the data
 const std::vector<CommandName>& all_commands() {

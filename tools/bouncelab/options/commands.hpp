@@ -27,29 +27,8 @@ struct Command {
   std::vector<std::string> stages{};  ///< commands that it runs; a configuration file may have sections of them
   bool runs_through_lists = false;    ///< of a configuration file
   /// Tables that it writes, by heading, for --help: the columns with what they are.
-  std::vector<std::pair<std::string, Description>> tables{};
+  std::vector<std::pair<std::string, std::vector<Member>>> tables{};
 };
-
-Command simulate_command();
-Command synthesize_command();
-Command detect_command();
-Command convert_command();
-Command restitution_command();
-Command fit_command();
-Command roughness_command();
-Command compare_command();
-Command report_command();
-Command calibrate_command();
-Command validate_command();
-Command analyze_command();
-Command loop_command();
-Command dem_command();
-Command completion_command();
-Command balls_command();
-
-/// The positional recordings, and --list.
-Member recordings_member();
-Member list_member();
 
 /// Runs the closed loop, through memory, for every combination of the values in run.sweep, and tabulates the results:
 /// sweep.csv, sweep.json, report.html in the folder.

@@ -67,7 +67,7 @@ class HelpFormat : public CLI::Formatter {
     if (const std::string range = range_of(member); !range.empty()) facts += "; " + range;
     const std::string value = default_text(member, found->second.object);
     if (!value.empty() && value != "inf" && member.kind != Member::Kind::flag) facts += "; default " + value;
-    return in_second_column(member.text + (facts.empty() ? "" : " (" + facts.substr(2) + ")"));
+    return in_second_column(help_of(found->second) + (facts.empty() ? "" : " (" + facts.substr(2) + ")"));
   }
 
  private:
@@ -114,8 +114,9 @@ class Parser {
       }
       return true;
     };
-    CLI::Option* added = member.kind == Member::Kind::flag ? app_.add_flag(name, flags_.emplace_back(), member.text)
-                                                           : app_.add_option(name, set, member.text);
+    CLI::Option* added = member.kind == Member::Kind::flag
+                             ? app_.add_flag(name, flags_.emplace_back(), std::string(member.text))
+                             : app_.add_option(name, set, std::string(member.text));
     if (is_repeated(member))
       added->expected(1, kMostValues)->allow_extra_args()->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
     added->required(member.is_required);
@@ -170,14 +171,13 @@ class Parser {
   Given given_;
 };
 
-/// A table's columns in the two columns of --help; those without a text belong to the one before them.
-std::string columns_in_words(const std::string& heading, const Description& columns) {
+/// A table's columns in the two columns of --help.
+std::string columns_in_words(const std::string& heading, Description columns) {
   std::ostringstream out;
-  for (std::size_t k = 0; k < columns.size(); ++k) {
-    std::string names = columns[k].name, text = columns[k].text;
-    for (; k + 1 < columns.size() && columns[k + 1].text.empty(); ++k) names += ", " + columns[k + 1].name;
+  for (const Member& column : columns) {
+    std::string text(column.text);
     std::erase(text, '`');
-    CLI::detail::format_help(out, names, in_second_column(text), kNames_characters);
+    CLI::detail::format_help(out, std::string(column.name), in_second_column(text), kNames_characters);
   }
   return heading + ":\n" + out.str();
 }

@@ -14,38 +14,30 @@ using Json = nlohmann::ordered_json;
 using stages::Section;
 using Sections = std::vector<Section>;
 
-Section ball(stages::BallChoice& world, const Description& options) { return {"", &options, &world}; }
-
 Sections sections_of(stages::SimulateOptions& options) {
-  static const Description world = stages::ball_options("");
-  return {ball(options.world, world), {"", &members_of(&options), &options}, stages::simulation_alone_section(options)};
+  return {ball_section(options.world), section_of(options), stages::simulation_alone_section(options)};
 }
 Sections sections_of(stages::SynthesizeOptions& options) {
-  static const Description world =
-      stages::ball_options("that of the impacts where they were simulated, else steel:6mm on glass");
-  return {ball(options.world, world), {"", &members_of(&options), &options}, stages::disturbances_section(options)};
+  return {ball_section(options.world, "that of the impacts where they were simulated, else steel:6mm on glass"),
+          section_of(options), stages::disturbances_section(options)};
 }
-Sections sections_of(stages::DetectOptions& options) { return {{"", &members_of(&options.config), &options.config}}; }
+Sections sections_of(stages::DetectOptions& options) { return {stages::section_of(options.config)}; }
 Sections sections_of(stages::RestitutionOptions& options) {
-  static const Description world = stages::ball_options("not known: drag and contact time stay open");
-  return {ball(options.world, world), {"", &members_of(&options), &options}};
+  return {ball_section(options.world, "not known: drag and contact time stay open"), stages::section_of(options.config),
+          section_of(options)};
 }
 Sections sections_of(stages::FitOptions& options) {
-  static const Description world = stages::ball_options("what the samples say");
-  return {ball(options.world, world), {"", &members_of(&options.config), &options.config}};
+  return {ball_section(options.world, "what the samples say"), stages::section_of(options.config)};
 }
 Sections sections_of(stages::RoughnessOptions& options) {
-  static const Description world =
-      stages::ball_options("what the samples say, else a solid ball of the paper's radius");
-  return {ball(options.world, world), {"", &members_of(&options.config), &options.config}};
+  return {ball_section(options.world, "what the samples say, else a solid ball of the paper's radius"),
+          stages::section_of(options.config)};
 }
-Sections sections_of(stages::CalibrateOptions& options) { return {{"", &members_of(&options), &options}}; }
+Sections sections_of(stages::CalibrateOptions& options) { return {stages::section_of(options)}; }
 Sections sections_of(stages::LoopOptions& options) { return stages::loop_sections(options); }
 /// Those of the scene alone: detectors are functions, and no file is written.
 Sections sections_of(stages::ValidateOptions& options) {
-  Sections sections = stages::scene_sections(options);
-  std::erase_if(sections, [](const Section& section) { return section.description == &stages::codec_option(); });
-  return sections;
+  return stages::scene_sections(options.world, options.simulate, options.synthesize);
 }
 
 /// Sets each option to the texts that it was given. @return these
@@ -89,7 +81,7 @@ Json json_of(const stages::Option& option) {
   const bool flag = member.kind == Member::Kind::flag;
   const std::string range = range_of(member);
   return {{"name", option_name(member)},
-          {"help", member.text},
+          {"help", stages::help_of(option)},
           {"type",
            (member.choices.empty() ? "" : "TEXT:") + stages::value_name(member) + (range.empty() ? "" : ":" + range)},
           {"default", default_text(member, option.object)},

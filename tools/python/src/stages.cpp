@@ -278,10 +278,9 @@ py::tuple read_columns(const std::string& path, const std::string& kind, const s
     return py::make_tuple(columns_of(to_table(impacts_from_table(stages::read_table(path, impact_columns()), path))),
                           py::list());
   options::ForeignFileOptions how;
-  const auto section = std::pair{&members_of(&how), &how};
   for (const auto& [name, text] : {std::pair{"as", as}, {"unit", unit}, {"columns", columns}, {"tier", tier}})
-    for (const Member& member : *section.first)
-      if (member.name == name && !text.empty()) member.set(section.second, value_from_text(member, text));
+    for (const Member& member : members_of(&how))
+      if (member.name == name && !text.empty()) member.set(&how, value_from_text(member, text));
   std::vector<std::string> taken_for;
   Table table =
       kind == "onsets"

@@ -125,7 +125,7 @@ std::vector<fs::path> files_named_by_options(const Run& run) {
         if (fs::is_regular_file(file, none)) files.push_back(file);
   };
   for (const Parameter& parameter : run.parameters)
-    if (!names_outputs(parameter)) add(parameter.values);
+    if (!parameter.is_output) add(parameter.values);
   for (const loop::SweepAxis& axis : run.sweep) add(axis.values);
   return files;
 }

@@ -126,7 +126,7 @@ Table table_of(const std::vector<Case>& cases, const std::vector<DetectorResult>
       const auto* real = std::get_if<double>(&value);
       cells.push_back(count != nullptr ? static_cast<double>(*count) : real != nullptr ? *real : std::nan(""));
     }
-    table.columns.push_back({member.name, std::move(cells)});
+    table.columns.push_back({std::string(member.name), std::move(cells)});
   }
   table.columns.push_back({"failure", std::move(failures)});
   return table;

@@ -7,9 +7,11 @@
 #include <cmath>
 #include <exception>
 #include <iostream>
+#include <string_view>
 
 #include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/elementary.hpp"
+#include "bouncelab/fit/restitution.hpp"
 
 namespace bouncelab::vamp {
 namespace {
@@ -17,6 +19,23 @@ namespace {
 constexpr std::int64_t kNanosecondsASecond = 1'000'000'000;
 // what detection::detect takes
 constexpr float kLeastRate_hz = 4e3F, kMostRate_hz = 4e6F;
+
+/// An option of the library as a parameter, by the option's name without '_'.
+template <class Config>
+Vamp::Plugin::ParameterDescriptor descriptor_of(std::string_view name) {
+  const Config config;
+  Vamp::Plugin::ParameterDescriptor descriptor;
+  for (const Member& member : members_of(&config)) {
+    if (member.name != name) continue;
+    descriptor.identifier = name;
+    std::erase(descriptor.identifier, '_');
+    descriptor.description = member.text;
+    descriptor.minValue = static_cast<float>(member.least);
+    descriptor.maxValue = static_cast<float>(member.greatest);
+    descriptor.defaultValue = std::stof(default_text(member, &config));
+  }
+  return descriptor;
+}
 
 }  // namespace
 
@@ -47,21 +66,11 @@ std::string RecordingPlugin::getCopyright() const {
 int RecordingPlugin::getPluginVersion() const { return 1; }
 
 Vamp::Plugin::ParameterList RecordingPlugin::getParameterDescriptors() const {
-  ParameterDescriptor gravity;
-  gravity.identifier = "gravity";
+  ParameterDescriptor gravity = descriptor_of<fit::RestitutionConfig>("gravity");
   gravity.name = "Gravity";
-  gravity.description = "Gravitational acceleration, for the impact speeds";
   gravity.unit = "m/s^2";
-  gravity.minValue = 0.1F;
-  gravity.maxValue = 100.0F;
-  gravity.defaultValue = static_cast<float>(kDefaultGravity_mps2);
-  ParameterDescriptor impacts;
-  impacts.identifier = "minimpacts";
+  ParameterDescriptor impacts = descriptor_of<detection::DetectionConfig>("min_impacts");
   impacts.name = "Fewest impacts of a drop";
-  impacts.description = "Drops of fewer impacts are left out";
-  impacts.minValue = 3.0F;
-  impacts.maxValue = 100.0F;
-  impacts.defaultValue = 3.0F;
   impacts.isQuantized = true;
   impacts.quantizeStep = 1.0F;
   return {gravity, impacts};
@@ -75,8 +84,12 @@ float RecordingPlugin::getParameter(std::string identifier) const {
 
 void RecordingPlugin::setParameter(std::string identifier, float value) {
   if (std::isnan(value)) return;
-  if (identifier == "gravity") gravity_mps2_ = std::clamp(value, 0.1F, 100.0F);
-  if (identifier == "minimpacts") min_impacts_ = std::round(std::clamp(value, 3.0F, 100.0F));
+  for (const ParameterDescriptor& p : RecordingPlugin::getParameterDescriptors()) {
+    if (p.identifier != identifier) continue;
+    const float inside = std::clamp(value, p.minValue, p.maxValue);
+    if (identifier == "gravity") gravity_mps2_ = inside;
+    if (identifier == "minimpacts") min_impacts_ = std::round(inside);
+  }
 }
 
 bool RecordingPlugin::initialise(size_t n_channels, size_t step_size, size_t block_size) {

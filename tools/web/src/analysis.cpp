@@ -19,25 +19,23 @@ namespace {
 
 /// Options of an analysis, as people set them.
 loop::AnalyzeConfig config_of(const std::string& options_json) {
-  static const Description own{
-      member("diagnostics", &loop::AnalyzeConfig::with_details, "Details of each drop in the report"),
-      member<loop::AnalyzeConfig>(
-          "lossy_coding", [](auto& c) -> auto& { return c.detection.lossy_coding; },
-          "Coding of the samples that the browser has decoded")};
-  static const Description ball = options::ball_options("");
+  static constexpr Member own[]{
+      member<&loop::AnalyzeConfig::with_details>("diagnostics", "Details of each drop in the report"),
+      member<&loop::AnalyzeConfig::detection, &detection::DetectionConfig::lossy_coding>(
+          "lossy_coding", "Coding of the samples that the browser has decoded")};
   loop::AnalyzeConfig config;
   config.n_threads = config.fit.n_threads = 1;
   config.fit.memory = fit::UseMemory::where_long;
   options::RestitutionOptions restitution;
-  std::uint64_t seed = config.fit.law.seed;
-  set_options({{"", &own, &config},
-               {"", &members_of(&config.detection), &config.detection},
-               {"", &ball, &restitution.world},
-               {"", &members_of(&restitution), &restitution},
-               {"", &members_of(&config.fit), &config.fit},
-               seed_section(seed)},
+  Seed seed{config.fit.law.seed};
+  set_options({{"", own, &config},
+               options::section_of(config.detection),
+               ball_section(restitution.world),
+               options::section_of(restitution.config),
+               options::section_of(config.fit),
+               options::section_of(seed)},
               options_json);
-  config.fit.law.seed = seed;
+  config.fit.law.seed = seed.seed;
   config.restitution = with_ball(restitution);
   return config;
 }
@@ -59,7 +57,7 @@ Analysis completed(loop::Analysis found, const loop::AnalyzeConfig& config, cons
     for (const std::string& warning : more)
       if (std::find(warnings.begin(), warnings.end(), warning) == warnings.end()) warnings.push_back(warning);
   report::keep_three(warnings, analysis.words);
-  analysis.summary = object_of(members_of(&all), &all);
+  analysis.summary = object_of(all);
   analysis.summary.emplace_back("warnings", warnings);
   return analysis;
 }

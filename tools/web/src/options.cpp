@@ -33,10 +33,9 @@ std::string text_of(const Json& value) {
 
 }  // namespace
 
-options::Section seed_section(std::uint64_t& seed) {
-  static const Description all{member<std::uint64_t>(
-      "seed", [](auto& s) -> auto& { return s; }, "Seed of all random numbers")};
-  return {"", &all, &seed};
+Description members_of(const Seed*) {
+  static constexpr Member all[]{member<&Seed::seed>("seed", "Seed of all random numbers")};
+  return all;
 }
 
 void set_options(const Sections& sections, const std::string& json) {

@@ -10,7 +10,10 @@
 namespace bouncelab::web {
 
 /// The seed, which every stage has.
-options::Section seed_section(std::uint64_t& seed);
+struct Seed {
+  std::uint64_t seed = 1;
+};
+Description members_of(const Seed*);
 
 /// Sets options from a JSON object: {"ball": "steel:6mm", "drop_height_m": 0.5, "air": 1.2}; names as on the
 /// command line without the dashes in front, '_' is '-', and a unit at the end may stand (drop_height_m, gravity_mps2).

@@ -22,22 +22,18 @@ namespace {
 struct SimulateCall {
   options::SimulateOptions simulated;
   options::SynthesizeOptions synthesized;
-  std::uint64_t seed = 1;
+  Seed seed;
 
   explicit SimulateCall(const std::string& options_json) {
-    static const Description ball = options::ball_options("steel:6mm on glass");
-    set_options({{"", &ball, &simulated.world},
-                 {"", &members_of(&simulated), &simulated},
-                 {"", &members_of(&synthesized), &synthesized},
-                 disturbances_section(synthesized),
-                 seed_section(seed)},
+    set_options({ball_section(simulated.world), options::section_of(simulated), options::section_of(synthesized),
+                 disturbances_section(synthesized), options::section_of(seed)},
                 options_json);
     synthesized.world = simulated.world;
   }
-  sim::SimulationConfig simulation() const { return simulation_config(simulated, seed, 1); }
+  sim::SimulationConfig simulation() const { return simulation_config(simulated, seed.seed, 1); }
   sim::Surface surface(const sim::SimulationConfig& config) const {
     return sim::make_surface(config.ball, simulated.n_asperities, sim::radius_law_from_text(simulated.radius_law),
-                             seed);
+                             seed.seed);
   }
 };
 
@@ -95,7 +91,7 @@ std::vector<fit::HistogramFit> with_bins(std::vector<fit::HistogramFit> windows,
 Simulation simulate(const std::string& options_json) {
   const SimulateCall call(options_json);
   const sim::SimulationConfig config = call.simulation();
-  const synthesis::SynthesisConfig sound_config = synthesis_config(call.synthesized, call.seed, 1);
+  const synthesis::SynthesisConfig sound_config = synthesis_config(call.synthesized, call.seed.seed, 1);
   Simulation made;
   with_threads(1, [&] {
     const Impacts impacts = sim::simulate(config, call.surface(config)).impacts;
@@ -133,13 +129,13 @@ std::string scatter(const std::string& options_json) {
   if (!theory) return json_text(Object{{"smooth_share", offset.smooth_share}, {"densities", Values{}}});
   Values densities;
   for (std::size_t k = 0; k < windows.size(); ++k) {  // none is without impacts
-    Object density = object_of(members_of(&theory->densities[k]), &theory->densities[k]);
+    Object density = object_of(theory->densities[k]);
     density.emplace_back("v_lo_mps", windows[k].v_lo_mps);
     density.emplace_back("v_hi_mps", windows[k].v_hi_mps);
     density.emplace_back("eps_edges", windows[k].bins.eps_edges);
     densities.push_back(std::move(density));
   }
-  Object all = object_of(members_of(&*theory), &*theory);
+  Object all = object_of(*theory);
   for (auto& [name, value] : all)
     if (name == "densities") value = std::move(densities);
   all.emplace_back("n_drops", config.n_drops);

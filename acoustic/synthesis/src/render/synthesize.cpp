@@ -244,18 +244,17 @@ SynthesisResult synthesize_each_drop(const DropSource& drops, const SynthesisCon
   return all;
 }
 
-const Description& members_of(const SynthesisResult*) {
+Description members_of(const SynthesisResult*) {
   using R = SynthesisResult;
-  const auto level = [](double Levels::*which) { return [which](const R& r) { return r.levels.*which; }; };
-  static const Description all{
-      result("n_impacts", &R::n_impacts, "Impacts"),
-      result("n_other_sounds", &R::n_other_sounds, "Of things that are not the ball"),
-      result("n_modes", &R::n_modes, "Of the plate, below half the sampling rate"),
-      result("n_files", &R::n_files, "Recordings"),
-      result("duration_s", &R::duration_s, "Of all files"),
-      result<R>("noise_rms", level(&Levels::noise_rms), "Of the stationary noise, full scale = 1"),
-      result<R>("weakest_peak", level(&Levels::weakest_peak), "Clean peak of the weakest impact wanted"),
-      result<R>("gain", level(&Levels::gain), "From the sensor's signal to full scale")};
+  static constexpr Member all[]{
+      member<&R::n_impacts>("n_impacts", "Impacts"),
+      member<&R::n_other_sounds>("n_other_sounds", "Of things that are not the ball"),
+      member<&R::n_modes>("n_modes", "Of the plate, below half the sampling rate"),
+      member<&R::n_files>("n_files", "Recordings"),
+      member<&R::duration_s>("duration_s", "Of all files"),
+      member<&R::levels, &Levels::noise_rms>("noise_rms", "Of the stationary noise, full scale = 1"),
+      member<&R::levels, &Levels::weakest_peak>("weakest_peak", "Clean peak of the weakest impact wanted"),
+      member<&R::levels, &Levels::gain>("gain", "From the sensor's signal to full scale")};
   return all;
 }
 

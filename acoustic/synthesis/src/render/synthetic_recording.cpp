@@ -160,8 +160,8 @@ const RowColumns<TrueImpact>& columns_of(const TrueImpact*) {
                                  column("contact_time_s", &T::contact_time_s, "Hertzian contact time"),
                                  column("travel_time_s", &T::travel_time_s,
                                         "The sound begins at `t_s + travel_time_s` at the (first live) sensor"),
-                                 column("x_m", &T::x_m, "Point of contact on the plate"),
-                                 column("y_m", &T::y_m, ""),
+                                 column("x_m", &T::x_m, "Point of contact on the plate, along x"),
+                                 column("y_m", &T::y_m, "Likewise, along y"),
                                  column("v_mps", &T::v_mps, "Normal impact speed")};
   return all;
 }

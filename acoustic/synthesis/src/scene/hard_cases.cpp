@@ -77,22 +77,22 @@ constexpr Recipe kRecipes[]{
 
 }  // namespace
 
-const Description& members_of(const Disturbances*) {
+Description members_of(const Disturbances*) {
   using D = Disturbances;
-  static const Description options{
-      member("hum", &D::hum_level, "Mains hum with harmonics").within(0.0, 1e6),
-      member("hum_hz", &D::hum_hz, "Mains frequency [Hz]").within(1.0, 1000.0),
-      member("drift", &D::drift_level, "Slow drift of the zero line").within(0.0, 1e6),
-      member("clicks", &D::clicks_per_s, "Electric clicks [1/s]").within(0.0, 1e4),
-      member("knocks", &D::knocks_per_s, "Knocks of a second object [1/s]").within(0.0, 1e4),
-      member("double_hits", &D::double_hit_fraction, "Share of impacts followed by a knock within 12 ms")
+  static constexpr Member options[]{
+      member<&D::hum_level>("hum", "Mains hum with harmonics").within(0.0, 1e6),
+      member<&D::hum_hz>("hum_hz", "Mains frequency [Hz]").within(1.0, 1000.0),
+      member<&D::drift_level>("drift", "Slow drift of the zero line").within(0.0, 1e6),
+      member<&D::clicks_per_s>("clicks", "Electric clicks [1/s]").within(0.0, 1e4),
+      member<&D::knocks_per_s>("knocks", "Knocks of a second object [1/s]").within(0.0, 1e4),
+      member<&D::double_hit_fraction>("double_hits", "Share of impacts followed by a knock within 12 ms")
           .within(0.0, 1.0),
-      member("robot", &D::robot_cycle, "Release click, fan, motors and pick-up; needs --pause 2 or more"),
-      member("timbre_wander", &D::timbre_wander, "Standard deviation of ln(mode amplitude) between impacts")
+      member<&D::robot_cycle>("robot", "Release click, fan, motors and pick-up; needs --pause 2 or more"),
+      member<&D::timbre_wander>("timbre_wander", "Standard deviation of ln(mode amplitude) between impacts")
           .within(0.0, 3.0),
-      member("phase_wander", &D::phase_wander_rad, "Standard deviation of mode phases between impacts [rad]")
+      member<&D::phase_wander_rad>("phase_wander", "Standard deviation of mode phases between impacts [rad]")
           .within(0.0, 10.0),
-      member("speech", &D::speech_per_s, "Voiced syllables, peaks at levels 0.5 to 5 [1/s]").within(0.0, 20.0)};
+      member<&D::speech_per_s>("speech", "Voiced syllables, peaks at levels 0.5 to 5 [1/s]").within(0.0, 20.0)};
   return options;
 }
 

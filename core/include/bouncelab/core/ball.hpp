@@ -23,7 +23,7 @@ struct Material {
   friend bool operator==(const Material&, const Material&) = default;
 };
 /// With the text that plate_text has for it.
-const Description& members_of(const Material*);
+Description members_of(const Material*);
 
 /// Bearing steel of Montaine et al., Phys. Rev. E 84, 041306 (2011), doi:10.1103/PhysRevE.84.041306.
 inline constexpr Material kSteel{200e9, 0.30, 7900.0};
@@ -48,7 +48,7 @@ struct Ball {
   friend bool operator==(const Ball&, const Ball&) = default;
 };
 /// With the text that to_text has for it, and its material's numbers.
-const Description& members_of(const Ball*);
+Description members_of(const Ball*);
 
 /// 4/3 pi rho R^3 [kg], rho the mean density.
 double mass_kg(const Ball& ball);
@@ -105,7 +105,7 @@ struct BallKind {
   std::optional<ContactDuration> contact = std::nullopt;  ///< of balls for which Hertz's theory does not hold
   std::string contact_source{};
 };
-const Description& members_of(const BallKind*);
+Description members_of(const BallKind*);
 
 /// What the ball falls on, by its name.
 struct PlateKind {
@@ -115,7 +115,7 @@ struct PlateKind {
   double loss_factor = 0.0;  ///< of the bending vibrations that make the sound
   std::string source;
 };
-const Description& members_of(const PlateKind*);
+Description members_of(const PlateKind*);
 
 /// Balls of sports, then materials. Masses and diameters are the middle of what the rules allow, or their limit.
 const std::vector<BallKind>& ball_kinds();

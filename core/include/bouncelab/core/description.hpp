@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /// What the members of a struct of options or results are, said once: name, text, kind, range, and how to reach them.
-/// Command line, configuration files, completion by shells, the keywords of Python, JSON and the tables of
-/// docs/formats.md are made of it by ordinary functions. A struct S is described by a function beside it,
+/// Command line, configuration files, completion by shells, the keywords of Python, the parameters of Vamp and the
+/// page, JSON and the tables of docs/formats.md are made of it by ordinary functions. A struct S is described by a
+/// function beside it, which returns a table that is there before the program runs:
 ///
-///   const Description& members_of(const S*);
+///   Description members_of(const S*) {
+///     static constexpr Member all[]{member<&S::n>("n", "Number of drops").within(1, 1e9), ...};
+///     return all;
+///   }
 ///
 /// and what is described may hold described structs, lists of them and optional ones.
 #pragma once
@@ -14,7 +18,9 @@
 #include <functional>
 #include <limits>
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <type_traits>
 #include <utility>
 #include <variant>
@@ -33,51 +39,72 @@ struct Value : std::variant<std::monostate, bool, std::int64_t, std::uint64_t, d
   using variant::variant;
 };
 
-/// One member of a struct.
+/// One member of a struct. Texts are not copied: they are literals, or live as long as the description.
 struct Member {
   enum class Kind { flag, integer, natural, real, text, reals, integers, texts, values, object };
 
-  std::string name;  ///< an option has '-' for '_'; see option_name
-  std::string text;  ///< what it is: a sentence without its full stop
+  std::string_view name;  ///< an option has '-' for '_'; see option_name
+  std::string_view text;  ///< what it is: a sentence without its full stop
   Kind kind = Kind::text;
   bool may_be_unknown = false;
+  bool is_required = false, is_positional = false;
+  bool is_output = false;    ///< a file or a folder that is written
+  bool is_left_out = false;  ///< where it is not known: a result without the name instead of null
 
-  std::function<Value(const void*)> get;
-  std::function<void(void*, const Value&)> set;
+  const void* (*place)(const void* object) = nullptr;        ///< address of the member
+  Value (*read)(const void* place) = nullptr;                ///< what stands there
+  void (*write)(void* place, const Value& value) = nullptr;  ///< nullptr: of results, which nobody types
 
   double least = -std::numeric_limits<double>::infinity();  ///< of a number, or of each of a list
   double greatest = std::numeric_limits<double>::infinity();
-  std::vector<std::string> choices;               ///< texts that it may be; empty: any
-  std::function<void(const std::string&)> check;  ///< throws InvalidArgument where a text is none
-  std::string form;                               ///< what a text or list looks like: FILE, X,Y
-  std::size_t n_least = 0, n_most = 0;            ///< numbers in a list written with commas; 0: any
-  bool is_required = false, is_positional = false;
-  std::string unknown_text;  ///< what stands for "not known" where it may be: -1, 0
-  bool is_left_out = false;  ///< where it is not known: a result without the name instead of null
+  std::string_view choices{};                   ///< texts that it may be, with commas between them; empty: any
+  void (*check)(const std::string&) = nullptr;  ///< throws InvalidArgument where a text is none
+  std::string_view form{};                      ///< what a text or list looks like: FILE, X,Y
+  std::size_t n_least = 0, n_most = 0;          ///< numbers in a list written with commas; 0: any
+  std::string_view unknown_text{};              ///< what stands for "not known" where it may be: -1, 0
 
-  Member&& within(double lo, double hi) &&;
-  Member&& one_of(std::vector<std::string> names) &&;
-  Member&& looks_like(std::string how) &&;
-  /// A list of `least` to `most` numbers with commas between them; others may be given several times.
-  Member&& with_commas(std::string how, std::size_t least, std::size_t most) &&;
-  Member&& checked_by(std::function<void(const std::string&)> accepts) &&;
-  Member&& unknown_as(std::string what) &&;
-  Member&& required() &&;
-  Member&& positional() &&;
-  Member&& left_out_where_unknown() &&;
+  Value get(const void* object) const { return read(place(object)); }
+  void set(void* object, const Value& value) const { write(const_cast<void*>(place(object)), value); }
+
+  /// The same member but for one thing.
+  template <class T>
+  constexpr Member with(T Member::*what, std::type_identity_t<T> value) const {
+    Member changed = *this;
+    changed.*what = value;
+    return changed;
+  }
+
+  constexpr Member within(double lo, double hi) const { return with(&Member::least, lo).with(&Member::greatest, hi); }
+  /// @param words  with commas between them
+  constexpr Member one_of(std::string_view words) const { return with(&Member::choices, words); }
+  constexpr Member looks_like(std::string_view how) const { return with(&Member::form, how); }
+  /// A list of `lo` to `hi` numbers with commas between them; others may be given several times.
+  constexpr Member with_commas(std::string_view how, std::size_t lo, std::size_t hi) const {
+    return with(&Member::form, how).with(&Member::n_least, lo).with(&Member::n_most, hi);
+  }
+  constexpr Member checked_by(void (*accepts)(const std::string&)) const { return with(&Member::check, accepts); }
+  constexpr Member unknown_as(std::string_view what) const { return with(&Member::unknown_text, what); }
+  constexpr Member required() const { return with(&Member::is_required, true); }
+  constexpr Member positional() const { return with(&Member::is_positional, true); }
+  constexpr Member writes(std::string_view how) const { return looks_like(how).with(&Member::is_output, true); }
+  constexpr Member left_out_where_unknown() const { return with(&Member::is_left_out, true); }
+  /// Of a member that is computed: how a text sets it.
+  constexpr Member set_by(void (*sets)(void* object, const Value& text)) const { return with(&Member::write, sets); }
 };
 
 /// All members of a struct, in the order in which they are shown.
-using Description = std::vector<Member>;
+using Description = std::span<const Member>;
 
 /// What the members of an object hold: one that is not known and left out has no place, and what a member without a
 /// name holds, an object, stands in this one.
-Object object_of(const Description& description, const void* object);
+Object object_of(Description description, const void* object);
+
+template <class T>
+requires requires(const T* s) { members_of(s); }
+Object object_of(const T& x) { return object_of(members_of(&x), &x); }
 
 /// The values of `more` behind those of `all`.
 void append(Object& all, Object more);
-
-// What follows makes members of pointers to them.
 
 namespace describe_detail {
 
@@ -97,7 +124,7 @@ concept Named = requires(const T& all) {
 };
 template <class T>
 concept Described = std::is_class_v<T> && requires(const T* s) {
-  { members_of(s) } -> std::same_as<const Description&>;
+  { members_of(s) } -> std::same_as<Description>;
 };
 /// One number, list or text where a struct stands for one: an interval is [lo, hi].
 template <class T>
@@ -149,7 +176,7 @@ Value value_of(const T& x) {
   } else if constexpr (IsOptional<T>::value) {
     return x ? value_of(*x) : Value{};
   } else if constexpr (Described<T>) {
-    return object_of(members_of(static_cast<const T*>(nullptr)), &x);
+    return object_of(members_of(&x), &x);
   } else if constexpr (std::is_enum_v<T>) {
     return std::string(to_string(x));
   } else if constexpr (kind == Member::Kind::object) {
@@ -181,49 +208,98 @@ Value value_of(const T& x) {
 namespace describe_detail {
 
 template <class T>
-void set_value(T& x, const Value& value) {
+Value read_as(const void* place) {
+  return value_of(*static_cast<const T*>(place));
+}
+
+/// What a text can set: numbers, texts and lists of them. @throws std::bad_variant_access where the value is another
+template <class T>
+void write_as(void* place, const Value& value) {
+  T& x = *static_cast<T*>(place);
   constexpr Member::Kind kind = kind_of<T>();
   if constexpr (IsOptional<T>::value) {
-    if (std::holds_alternative<std::monostate>(value))
-      x.reset();
-    else
-      set_value(x.emplace(), value);
+    x.reset();
+    if (!std::holds_alternative<std::monostate>(value)) write_as<typename T::value_type>(&x.emplace(), value);
   } else if constexpr (kind == Member::Kind::integer) {
     x = static_cast<T>(std::get<std::int64_t>(value));
-  } else if constexpr (kind == Member::Kind::real) {
-    x = static_cast<T>(std::get<double>(value));
   } else if constexpr (kind == Member::Kind::integers) {
     const auto& all = std::get<std::vector<std::int64_t>>(value);
-    x.assign(all.begin(), all.end());
-  } else if constexpr (kind == Member::Kind::reals) {
-    const auto& all = std::get<std::vector<double>>(value);
     x.assign(all.begin(), all.end());
   } else {
     x = std::get<T>(value);
   }
 }
+/// What options are.
+template <class T>
+concept Plain =
+    std::same_as<T, bool> || std::same_as<T, int> || std::same_as<T, std::int64_t> || std::same_as<T, std::uint64_t> ||
+    std::same_as<T, double> || std::same_as<T, std::string> || std::same_as<T, std::vector<int>> ||
+    std::same_as<T, std::vector<double>> || std::same_as<T, std::vector<std::string>> ||
+    std::same_as<T, std::optional<int>> || std::same_as<T, std::optional<double>>;
 
-}  // namespace describe_detail
+template <class T, class S>
+S owner_of(T S::*);
+template <class T, class S>
+S owner_of(T (*)(const S&));
+template <class T, class L, class S>
+S argument_of(T (L::*)(const S&) const);
 
-/// A member of S or of what S is made of.
-/// @param reach  from S to the member: member<FitConfig>("nodes", [](auto& c) -> auto& { return c.law.nodes; }, "...")
-template <class S, class Reach>
-Member member(std::string name, Reach reach, std::string text) {
-  using T = std::remove_cvref_t<decltype(reach(std::declval<S&>()))>;
+inline const void* itself(const void* object) { return object; }
+
+template <auto First, auto... Further>
+const auto& reach(const decltype(owner_of(First))& object) {
+  if constexpr (sizeof...(Further) == 0)
+    return object.*First;
+  else
+    return reach<Further...>(object.*First);
+}
+
+template <class T>
+constexpr Member of_type(std::string_view name, std::string_view text) {
   Member made;
-  made.name = std::move(name);
-  made.text = std::move(text);
-  made.kind = describe_detail::kind_of<T>();
-  made.may_be_unknown = describe_detail::IsOptional<T>::value;
-  made.get = [reach](const void* s) { return value_of(reach(*static_cast<const S*>(s))); };
-  made.set = [reach](void* s, const Value& value) { describe_detail::set_value(reach(*static_cast<S*>(s)), value); };
+  made.name = name;
+  made.text = text;
+  made.kind = kind_of<T>();
+  made.may_be_unknown = IsOptional<T>::value;
   return made;
 }
 
-template <class S, class T>
-Member member(std::string name, T S::*where, std::string text) {
-  return member<S>(
-      std::move(name), [where](auto& s) -> auto& { return s.*where; }, std::move(text));
+}  // namespace describe_detail
+
+/// A member by its address, or by those on the way to it: member<&FitConfig::law, &LawConfig::orders>("orders", "..."),
+/// or what a function makes of the struct: member<mass_kg>("mass_kg", "...").
+template <auto First, auto... Further>
+constexpr Member member(std::string_view name, std::string_view text) {
+  using namespace describe_detail;
+  using S = decltype(owner_of(First));
+  if constexpr (std::is_member_object_pointer_v<decltype(First)>) {
+    using T = std::remove_cvref_t<decltype(reach<First, Further...>(std::declval<const S&>()))>;
+    Member made = of_type<T>(name, text);
+    made.place = [](const void* object) -> const void* {
+      return &reach<First, Further...>(*static_cast<const S*>(object));
+    };
+    made.read = read_as<T>;
+    if constexpr (Plain<T>) made.write = write_as<T>;
+    return made;
+  } else {
+    using T = std::remove_cvref_t<std::invoke_result_t<decltype(First), const S&>>;
+    Member made = of_type<T>(name, text);
+    made.place = itself;
+    made.read = [](const void* object) { return value_of(std::invoke(First, *static_cast<const S*>(object))); };
+    return made;
+  }
+}
+
+/// A member that is computed: computed("n_outliers", [](const LawFit& f) { return f.outliers.size(); }, "...").
+template <class Function>
+constexpr Member computed(std::string_view name, Function, std::string_view text) {
+  using namespace describe_detail;
+  using S = decltype(argument_of(&Function::operator()));
+  using T = std::remove_cvref_t<decltype(Function{}(std::declval<const S&>()))>;
+  Member made = of_type<T>(name, text);
+  made.place = itself;
+  made.read = [](const void* object) { return value_of(Function{}(*static_cast<const S*>(object))); };
+  return made;
 }
 
 /// Described structs as a table: a list by the name of each member.
@@ -238,66 +314,6 @@ Object as_lists(const std::vector<T>& rows) {
   return lists;
 }
 
-/// From a struct to a member of what it is made of: path(&MemoryFit::leak, &MemoryTest::z).
-template <class S, class Reach>
-struct Path {
-  Reach reach;
-  decltype(auto) operator()(const S& s) const { return reach(s); }
-};
-template <class S, class T, class... Further>
-auto path(T S::*first, Further... further) {
-  const auto reach = [=](const S& s) -> const auto& {
-    if constexpr (sizeof...(further) == 0)
-      return s.*first;
-    else
-      return path(further...)(s.*first);
-  };
-  return Path<S, decltype(reach)>{reach};
-}
-
-/// A member of a struct of results, which is written and not read: whatever `value_of` takes.
-/// @param reach  pointer to the member, or a function of S: result<LawFit>("n_outliers", [](const LawFit& f) {...}, "")
-template <class S, class Reach>
-Member result(std::string name, Reach reach, std::string text) {
-  using T = std::remove_cvref_t<decltype(std::invoke(reach, std::declval<const S&>()))>;
-  Member made;
-  made.name = std::move(name);
-  made.text = std::move(text);
-  made.kind = describe_detail::kind_of<T>();
-  made.may_be_unknown = describe_detail::IsOptional<T>::value;
-  made.get = [reach](const void* s) { return value_of(std::invoke(reach, *static_cast<const S*>(s))); };
-  return made;
-}
-template <class S, class T>
-Member result(std::string name, T S::*where, std::string text) {
-  return result<S, T S::*>(std::move(name), where, std::move(text));
-}
-
-template <class S, class Reach>
-Member result(std::string name, Path<S, Reach> where, std::string text) {
-  return result<S, Path<S, Reach>>(std::move(name), where, std::move(text));
-}
-
-/// An enumeration, whose values have names: choice<S, E>("kind", &S::kind, {{"round", E::round}}, "...").
-/// @param reach  pointer to the member, or as of `member`
-template <class S, class E, class Reach>
-Member choice(std::string name, Reach reach, std::vector<std::pair<std::string, E>> names, std::string text) {
-  Member made;
-  made.name = std::move(name);
-  made.text = std::move(text);
-  for (const auto& [word, meaning] : names) made.choices.push_back(word);
-  made.get = [reach, names](const void* s) -> Value {
-    for (const auto& [word, meaning] : names)
-      if (meaning == std::invoke(reach, *static_cast<const S*>(s))) return word;
-    return {};
-  };
-  made.set = [reach, names](void* s, const Value& value) {
-    for (const auto& [word, meaning] : names)
-      if (word == std::get<std::string>(value)) std::invoke(reach, *static_cast<S*>(s)) = meaning;
-  };
-  return made;
-}
-
 /// The value that a text means, as it is typed or stands in a file of options.
 /// @throws InvalidArgument "'x' must be a decimal integer from 0 to 7", without the member's name
 Value value_from_text(const Member& member, const std::string& text);
@@ -309,6 +325,8 @@ std::string text_of(const Value& value);
 std::string default_text(const Member& member, const void* object);
 /// "0 to 1024"; empty where there is no range.
 std::string range_of(const Member& member);
+/// The texts that it may be; empty: any.
+std::vector<std::string> choices_of(const Member& member);
 /// Whether each value is given by itself: --nodes 0.3 --nodes 0.6 (or --nodes 0.3 0.6).
 bool is_repeated(const Member& member);
 /// The name as an option has it: '-' for '_'.

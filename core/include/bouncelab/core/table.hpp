@@ -271,15 +271,11 @@ std::vector<S> rows_of(const RowColumns<S>& columns, const Table& table) {
   return rows;
 }
 
-/// Names and texts, for documents.
+/// Names and texts, for documents; they are those of `columns`.
 template <class S>
-Description description_of(const RowColumns<S>& columns) {
-  Description all;
-  for (const RowColumn<S>& c : columns) {
-    Member& member = all.emplace_back();
-    member.name = c.spec.name;
-    member.text = c.text;
-  }
+std::vector<Member> description_of(const RowColumns<S>& columns) {
+  std::vector<Member> all;
+  for (const RowColumn<S>& c : columns) all.push_back({c.spec.name, c.text});
   return all;
 }
 

@@ -83,12 +83,12 @@ struct StandardDeviation {
   double value = 0.0;
   Interval ci95;  ///< by the profile of the restricted likelihood
 };
-const Description& members_of(const StandardDeviation*);
+Description members_of(const StandardDeviation*);
 
 struct ChiSquareTest {
   double chi2 = 0.0, ndf = 0.0, p_value = 1.0;
 };
-const Description& members_of(const ChiSquareTest*);
+Description members_of(const ChiSquareTest*);
 
 /// eps over the campaign, as a straight line.
 struct Drift {
@@ -98,7 +98,7 @@ struct Drift {
   double begin = 0.0, end = 0.0;  ///< of the campaign: days since 1970-01-01, or 0 and the number of the last recording
   double middle = 0.0;            ///< the mean, to which the pooled law belongs
 };
-const Description& members_of(const Drift*);
+Description members_of(const Drift*);
 
 enum class GroupEffect {
   none,    ///< not in the model: why, is in the notes
@@ -115,13 +115,13 @@ struct GroupRow {
   /// deviation tau give; of plates the drift, of days the plates are taken out, of days the drift is not.
   double offset = 0.0, se = 0.0;
 };
-const Description& members_of(const GroupRow*);
+Description members_of(const GroupRow*);
 struct Grouping {
   GroupEffect effect = GroupEffect::none;
   std::optional<StandardDeviation> deviation;  ///< where the effect is random
   std::vector<GroupRow> rows;                  ///< in order of name
 };
-const Description& members_of(const Grouping*);
+Description members_of(const Grouping*);
 
 /// A recording against the others.
 struct RecordingRow {
@@ -157,7 +157,7 @@ struct BetweenRecordings {
   std::vector<std::string> notes;
 };
 /// Status and message apart, which stand before the answer.
-const Description& members_of(const BetweenRecordings*);
+Description members_of(const BetweenRecordings*);
 
 /// Recordings needed for a pooled law with a standard deviation between them.
 inline constexpr std::size_t kFewestPooled = 4;

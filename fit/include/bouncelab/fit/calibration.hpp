@@ -55,14 +55,14 @@ struct CalibrationRow {
   double pull_mean = 0.0, pull_sd = 0.0;
   double coverage68 = 0.0, coverage95 = 0.0;
 };
-const Description& members_of(const CalibrationRow*);
+Description members_of(const CalibrationRow*);
 
 struct CalibrationResult {
   /// eps at 0.25, 0.6, 1.2 m/s, the constants, rising and falling slope in windows of 0.1 m/s about 0.3, 0.6, 1 m/s.
   std::vector<CalibrationRow> rows;
   std::size_t n_failed = 0;  ///< seeds whose fit did not converge: not in the rows
 };
-const Description& members_of(const CalibrationResult*);
+Description members_of(const CalibrationResult*);
 
 /// All seeds, one after the other, each on all threads.
 /// @throws InvalidArgument where a number is out of its range

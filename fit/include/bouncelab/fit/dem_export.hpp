@@ -20,7 +20,7 @@ struct Snippet {
   std::string parameter;  ///< which of its parameters is filled
   std::string text;
 };
-const Description& members_of(const Snippet*);
+Description members_of(const Snippet*);
 
 /// The fitted law for codes that collide: they need what keeps the energy, the root of the mean of eps^2.
 /// (docs/dem.md)
@@ -36,7 +36,7 @@ struct DemExport {
   std::string warning;          ///< how far eps moves over the speeds of the data, and why there is no gamma
   std::vector<Snippet> snippets;
 };
-const Description& members_of(const DemExport*);
+Description members_of(const DemExport*);
 
 /// Root mean square of eps at v, sqrt(mean^2 + variance): its square is what impacts keep of the energy.
 /// @param fit  with a law

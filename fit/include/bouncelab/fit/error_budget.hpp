@@ -33,7 +33,7 @@ struct TimingNoise {
   double upper95_s = 0.0;          ///< one-sided 95 % limit
   std::optional<double> stated_s;  ///< median of what the samples' sigma_eps says
 };
-const Description& members_of(const TimingNoise*);
+Description members_of(const TimingNoise*);
 
 /// Is a disturbance in the samples?
 enum class Effect {
@@ -62,7 +62,7 @@ struct BudgetRow {
   std::optional<double> mean_minus_peak;     ///< b_above - b_below: what least squares would be off by
   std::optional<double> se_curve;            ///< finite sample: standard error of eps(v) here
 };
-const Description& members_of(const BudgetRow*);
+Description members_of(const BudgetRow*);
 
 struct ErrorBudget {
   std::optional<TimingNoise> timing;       ///< needs times and at least 8 pairs of neighbours
@@ -73,7 +73,7 @@ struct ErrorBudget {
   std::optional<Ball> ball;       ///< that the shifts were computed for
   std::optional<Material> plate;  ///< likewise
 };
-const Description& members_of(const ErrorBudget*);
+Description members_of(const ErrorBudget*);
 
 /// What the shifts are computed for. Defaults: a recording of an unknown ball, nothing corrected for.
 struct BudgetConfig {

@@ -39,7 +39,7 @@ struct BootstrapErrors {
   Interval ci68, ci95;  ///< percentiles
   std::size_t n_replicates = 0;
 };
-const Description& members_of(const BootstrapErrors*);
+Description members_of(const BootstrapErrors*);
 
 /// What errors rest on. Impacts of one drop share the velocity that the ball has gained sideways and by spin, so they
 /// are not independent; drops are.
@@ -60,7 +60,7 @@ struct DropCount {
   ErrorBasis errors =
       ErrorBasis::independent_samples;  ///< by drop from 10 drops on, else by sample from 30 a parameter on
 };
-const Description& members_of(const DropCount*);
+Description members_of(const DropCount*);
 
 /// A number with its uncertainty. What is not known is absent.
 struct Estimate {
@@ -75,7 +75,7 @@ struct Estimate {
   std::optional<BootstrapErrors> bootstrap;       ///< by drop, where asked for
   bool identified = true;                         ///< false: the data do not determine it (see the fit's message)
 };
-const Description& members_of(const Estimate*);
+Description members_of(const Estimate*);
 
 struct NamedEstimate {
   std::string name;
@@ -89,7 +89,7 @@ struct CurvePoint {
   std::optional<Interval> band95;
   std::optional<double> se = std::nullopt;
 };
-const Description& members_of(const CurvePoint*);
+Description members_of(const CurvePoint*);
 
 /// Square matrix by rows.
 using Matrix = std::vector<std::vector<double>>;

@@ -46,7 +46,7 @@ struct FitConfig {
 };
 
 /// The options: nodes, form of the law, method, replicates, windows.
-const Description& members_of(const FitConfig*);
+Description members_of(const FitConfig*);
 
 struct FitResult {
   FitStatus status = FitStatus::too_few_samples;  ///< of the law that is quoted
@@ -68,7 +68,7 @@ struct FitResult {
   std::map<std::string, std::size_t> n_left_out;  ///< by reason
 };
 
-const Description& members_of(const FitResult*);
+Description members_of(const FitResult*);
 
 /// Fits everything. Where drag and contact time are in the intervals, all fits are of the samples at the plate with the
 /// values that samples and priors together make most likely, and the errors of the law include what they leave open.

@@ -28,7 +28,7 @@ struct GroupLaw {
   std::vector<NodeEstimate> nodes;
   std::vector<NamedEstimate> parameters;
 };
-const Description& members_of(const GroupLaw*);
+Description members_of(const GroupLaw*);
 
 /// A group less the reference. Errors and intervals include what differs within the groups.
 struct GroupDifference {
@@ -39,7 +39,7 @@ struct GroupDifference {
   std::vector<NodeEstimate> nodes;
   std::vector<NamedEstimate> parameters;
 };
-const Description& members_of(const GroupDifference*);
+Description members_of(const GroupDifference*);
 
 struct GroupDifferences {
   std::string message;  ///< why there are no rows; empty where there are
@@ -49,7 +49,7 @@ struct GroupDifferences {
   std::vector<GroupLaw> groups;
   std::vector<GroupDifference> rows;  ///< every pair
 };
-const Description& members_of(const GroupDifferences*);
+Description members_of(const GroupDifferences*);
 
 inline constexpr std::size_t kMostGroups = 4;
 

@@ -29,7 +29,7 @@ struct Bins {
   std::size_t underflow = 0;
   std::size_t overflow = 0;
 };
-const Description& members_of(const Bins*);
+Description members_of(const Bins*);
 
 /// The shapes of p(eps) that are compared.
 enum class DensityShape { two_exponentials, normal, gumbel, student_t };
@@ -55,7 +55,7 @@ struct ShapeFit {
   std::optional<double> p_value;
   std::vector<double> expected;  ///< counts of Bins::counts that it expects
 };
-const Description& members_of(const ShapeFit*);
+Description members_of(const ShapeFit*);
 
 /// p(eps) in a window of speeds: the paper's two exponentials.
 ///
@@ -83,7 +83,7 @@ struct HistogramFit {
   std::vector<ShapeFit> shapes;   ///< two exponentials as the paper drew them, normal, Gumbel, Student t
   std::string verdict;            ///< which of the shapes describes the window, in words
 };
-const Description& members_of(const HistogramFit*);
+Description members_of(const HistogramFit*);
 
 /// Is p(eps) lopsided for sure: does the 95 % interval of the slopes' ratio leave 1 out? Absent where there is none.
 std::optional<bool> slopes_differ(const HistogramFit& histogram);
@@ -115,7 +115,7 @@ struct DensityPicture {
   std::vector<std::vector<std::size_t>> counts;  ///< counts[eps bin][v bin]
   std::size_t n_outside = 0;
 };
-const Description& members_of(const DensityPicture*);
+Description members_of(const DensityPicture*);
 
 /// Speeds from the smallest to the largest; eps over the central 99.8 % of the samples, widened by a tenth.
 /// @param n_v, n_eps  bins at most; fewer where samples are few (about sqrt(n)). Empty picture for fewer than 2

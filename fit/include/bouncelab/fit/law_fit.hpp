@@ -65,13 +65,13 @@ struct ScatterModel {
   /// below^2 + above^2 + normal^2.
   double variance(double v_mps) const;
 };
-const Description& members_of(const ScatterModel*);
+Description members_of(const ScatterModel*);
 
 struct NodeEstimate {
   double v_mps = 0.0;
   Estimate eps;
 };
-const Description& members_of(const NodeEstimate*);
+Description members_of(const NodeEstimate*);
 
 /// Residuals in a bin of speeds.
 struct ResidualBin {
@@ -82,7 +82,7 @@ struct ResidualBin {
   double pull = 0.0;           ///< mean score of the location over its standard error: standard normal if the law holds
   double scatter_ratio = 0.0;  ///< mean absolute residual over what the scatter model expects
 };
-const Description& members_of(const ResidualBin*);
+Description members_of(const ResidualBin*);
 
 /// Do the samples scatter as the fit says? By the probability transforms of all samples against the uniform
 /// distribution.
@@ -92,7 +92,7 @@ struct AndersonDarling {
       0.0;  ///< by refitting samples drawn from the fit (parametric bootstrap); at least 1/(1 + n_replicates)
   std::size_t n_replicates = 0;
 };
-const Description& members_of(const AndersonDarling*);
+Description members_of(const AndersonDarling*);
 
 /// Another law on the same samples with the same family of scatter.
 struct LawComparison {
@@ -101,7 +101,7 @@ struct LawComparison {
   double loglik = 0.0, aic = 0.0, bic = 0.0;
   double delta_aic = 0.0, delta_bic = 0.0;  ///< above the least of the list
 };
-const Description& members_of(const LawComparison*);
+Description members_of(const LawComparison*);
 
 struct LawFit {
   FitStatus status = FitStatus::too_few_samples;
@@ -129,7 +129,7 @@ struct LawFit {
   std::vector<std::string> notes;         ///< what was asked for and could not be had
   std::optional<RestitutionLaw> law;      ///< usable wherever a law is wanted; absent where the fit failed
 };
-const Description& members_of(const LawFit*);
+Description members_of(const LawFit*);
 
 /// eps changes at a speed at once: the ball met another surface there, or there are two balls.
 struct RestitutionStep {
@@ -137,7 +137,7 @@ struct RestitutionStep {
   double eps_faster = 0.0, eps_slower = 0.0;  ///< on either side of it
   std::optional<std::int64_t> impact;         ///< number of the last one that is faster, where there is one drop
 };
-const Description& members_of(const RestitutionStep*);
+Description members_of(const RestitutionStep*);
 
 /// The height of a drop's release at rest [m], if the first impact heard was its first.
 struct ReleaseHeight {
@@ -163,7 +163,7 @@ struct AveragedCurve {
   /// impact 0 is w = u/eps, eps that of the curve at w with the scatter of one bounce; h is fall_height_m(w).
   std::vector<ReleaseHeight> heights;
 };
-const Description& members_of(const AveragedCurve*);
+Description members_of(const AveragedCurve*);
 
 /// Fits eps(v). Samples must be finite with v > 0 and a sigma_eps >= 0 or absent (fit_all leaves the others out).
 ///

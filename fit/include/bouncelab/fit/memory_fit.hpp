@@ -92,10 +92,10 @@ struct MemoryFit {
   /// than independent samples.
   bool holds = false;
 };
-const Description& members_of(const MemoryFit*);
+Description members_of(const MemoryFit*);
 /// Its tests, and its roughness, as objects of their own.
-const Description& members_of_tests();
-const Description& members_of_roughness();
+Description members_of_tests();
+Description members_of_roughness();
 
 /// @param samples      ordered by recording, drop, time, finite, v > 0
 /// @param independent  the fit that takes them as independent: start, and samples to leave out
@@ -108,13 +108,13 @@ struct RoughnessConfig {
   int n_threads = 0;            ///< 0: all cores; the result does not depend on it
 };
 
-const Description& members_of(const RoughnessConfig*);
+Description members_of(const RoughnessConfig*);
 
 struct RoughnessResult {
   MemoryFit memory;                               ///< with the roughness, of the ball that the samples name
   std::map<std::string, std::size_t> n_left_out;  ///< by reason
 };
-const Description& members_of(const RoughnessResult*);
+Description members_of(const RoughnessResult*);
 
 /// The roughness of a ball from how its coefficients of restitution scatter: fit_memory with the series A2, A4, A5, and
 /// q translated into surfaces. Samples with a flag, not finite or with v <= 0 are left out and counted.

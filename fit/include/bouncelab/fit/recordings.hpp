@@ -36,7 +36,7 @@ struct RecordingsTest {
   double p_value = 1.0;
   WithinUnit within = WithinUnit::samples;  ///< drops from ten degrees of freedom between drops on
 };
-const Description& members_of(const RecordingsTest*);
+Description members_of(const RecordingsTest*);
 
 /// The law of one recording alone.
 struct RecordingFit {
@@ -52,7 +52,7 @@ struct RecordingFit {
   std::vector<NamedEstimate> parameters;
   std::optional<Estimate> offset;  ///< of its eps from the curve of all, mean over all samples 0; by the test
 };
-const Description& members_of(const RecordingFit*);
+Description members_of(const RecordingFit*);
 
 struct Recordings {
   std::optional<RecordingsTest> test;  ///< absent where fewer than two recordings can be compared
@@ -74,7 +74,7 @@ struct KindsOfDrops {
   std::size_t n_lower = 0, n_upper = 0;
   double eps_lower = 0.0, eps_upper = 0.0;  ///< medians of their samples
 };
-const Description& members_of(const KindsOfDrops*);
+Description members_of(const KindsOfDrops*);
 
 /// Drops fall into two kinds where, at one speed, their medians of eps do: into two groups of at least two drops, each
 /// narrower than a third of the gap between them, which is more than three times the scatter about the medians, three

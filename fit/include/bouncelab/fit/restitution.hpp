@@ -50,6 +50,8 @@ struct RestitutionConfig {
   /// v_0 = sqrt(2 g h). Only where impact 0 was detected.
   std::optional<double> drop_height_m;
 };
+/// What people set: not ball and plate.
+Description members_of(const RestitutionConfig*);
 
 /// What became of the onsets.
 struct RestitutionCounts {
@@ -66,7 +68,7 @@ struct RestitutionCounts {
   std::size_t n_heights_contradicted = 0;
   std::optional<double> height_suggested_m;
 };
-const Description& members_of(const RestitutionCounts*);
+Description members_of(const RestitutionCounts*);
 
 struct Restitution {
   RestitutionSamples samples;  ///< ordered as the onsets
@@ -138,7 +140,7 @@ struct IntervalPrediction {
   std::optional<double> predicted_s;  ///< eps(v) T, with that of the law; absent without a law
   std::optional<double> sigma_s;  ///< standard error of measured_s from the timing; absent where the sample has none
 };
-const Description& members_of(const IntervalPrediction*);
+Description members_of(const IntervalPrediction*);
 
 /// T_{k+1} = eps T_k with T_k = 2 v / g, for the samples of one drop.
 /// @param gravity_mps2  > 0, as the samples were made with

@@ -32,7 +32,7 @@ struct DropDetails {
   detection::WavePreview preview;
   std::vector<fit::IntervalPrediction> intervals;
 };
-const Description& members_of(const DropDetails*);
+Description members_of(const DropDetails*);
 
 struct RecordingDetails {
   std::string recording;
@@ -41,7 +41,7 @@ struct RecordingDetails {
   std::optional<detection::LearnedWave> wave;
   std::optional<detection::NoiseSpectrum> noise;
 };
-const Description& members_of(const RecordingDetails*);
+Description members_of(const RecordingDetails*);
 
 /// Drops that `details` show.
 constexpr std::int64_t kMostShown = 30;
@@ -56,7 +56,7 @@ struct Analysis {
 };
 
 /// summary.json: counts and recordings.
-const Description& members_of(const Analysis*);
+Description members_of(const Analysis*);
 
 /// The whole chain, with all data in memory: a hundred bytes or so an impact.
 /// @param recordings  each once

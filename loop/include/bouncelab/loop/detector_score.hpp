@@ -74,7 +74,7 @@ struct DetectorScore {
   std::optional<double> invented_per_hour() const;
   std::optional<double> times_real_time() const;
 };
-const Description& members_of(const DetectorScore*);
+Description members_of(const DetectorScore*);
 
 /// @param marked       ascending in time; a standard error where the detector states one
 /// @param duration_s   of the recording

@@ -28,26 +28,26 @@ struct ComparedNode {
   Compared eps;
   Compared eps_with_memory;  ///< absent where there was no fit with memory
 };
-const Description& members_of(const ComparedNode*);
+Description members_of(const ComparedNode*);
 
 struct ComparedConstant {
   std::string name;             ///< A2, A4, A5
   std::optional<double> truth;  ///< absent where the law simulated is no series
   Compared value;
 };
-const Description& members_of(const ComparedConstant*);
+Description members_of(const ComparedConstant*);
 
 struct ComparedSlopes {
   double v_mps = 0.0;
   Compared rising, falling;
 };
-const Description& members_of(const ComparedSlopes*);
+Description members_of(const ComparedSlopes*);
 
 struct LawPoint {
   double v_mps = 0.0;
   double eps = 0.0;
 };
-const Description& members_of(const LawPoint*);
+Description members_of(const LawPoint*);
 
 /// What went into a closed loop beside what came out of it.
 struct LoopScore {
@@ -59,7 +59,7 @@ struct LoopScore {
   std::vector<ComparedSlopes> slopes;       ///< of p(eps) at 0.3, 0.6 and 1 m/s
   std::vector<LawPoint> truth_curve;        ///< the law simulated at the speeds of the curve fitted to the sound
 };
-const Description& members_of(const LoopScore*);
+Description members_of(const LoopScore*);
 
 /// @param onsets      detected against true times, of all drops
 /// @param truth       the law simulated
@@ -88,7 +88,7 @@ struct SlopeWindow {
   std::size_t n_simulation = 0, n_sound = 0;  ///< samples
   SlopePair rising, falling;
 };
-const Description& members_of(const SlopeWindow*);
+Description members_of(const SlopeWindow*);
 
 /// Windows of speed in which simulation and sound have both slopes.
 std::vector<SlopeWindow> slopes_of(const LoopResult& loop);

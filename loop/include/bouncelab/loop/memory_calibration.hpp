@@ -89,7 +89,7 @@ struct MemoryCalibrationRow {
   std::optional<double> rms_error, rms_error_independent;
   std::optional<double> gain;  ///< mean square error of the fit to independent impacts over that with memory
 };
-const Description& members_of(const MemoryCalibrationRow*);
+Description members_of(const MemoryCalibrationRow*);
 
 /// Experiments that have a condition in common.
 struct MemoryCalibrationGroup {
@@ -100,7 +100,7 @@ struct MemoryCalibrationGroup {
   /// The seven, and all eps together. In family "test" of all fits in the group, in others of those whose test passes.
   std::vector<MemoryCalibrationRow> rows;
 };
-const Description& members_of(const MemoryCalibrationGroup*);
+Description members_of(const MemoryCalibrationGroup*);
 
 /// Families: test (any, passed, failed), model (as the fit assumes; radii that make offsets other than normal, with a
 /// clean release; release with spin), radii, contact, release, drag, times, drops. The groups of each family but the

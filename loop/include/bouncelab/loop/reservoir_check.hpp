@@ -23,7 +23,7 @@ struct ReservoirOfDrop {
   double simulated_m2ps2 = 0.0;                    ///< after the last impact less before the first
   fit::ReservoirGain sound;
 };
-const Description& members_of(const ReservoirOfDrop*);
+Description members_of(const ReservoirOfDrop*);
 
 /// The paper's explanation of its scatter, measured: the energy that impacts move out of the vertical motion, as the
 /// times of the sound give it, beside the energy of sideways motion and spin as simulated.
@@ -41,7 +41,7 @@ struct ReservoirCheck {
   /// slip, 1 without friction.
   double spin_share = 0.0;
 };
-const Description& members_of(const ReservoirCheck*);
+Description members_of(const ReservoirCheck*);
 
 /// @param simulated   whole drops; states are not used
 /// @param reservoirs  sim::reservoirs_after() of them

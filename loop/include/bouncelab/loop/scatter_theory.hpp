@@ -22,7 +22,7 @@ struct ExpectedSlopes {
   std::size_t n = 0;                   ///< simulated impacts in it
   double rising = 0.0, falling = 0.0;  ///< per unit eps, both positive; rising below eps(v)
 };
-const Description& members_of(const ExpectedSlopes*);
+Description members_of(const ExpectedSlopes*);
 
 /// p(eps) that docs/physics.md, section 7, expects in a window of speeds, and the simulated impacts in the bins of its
 /// histogram.
@@ -32,7 +32,7 @@ struct ExpectedDensity {
   std::size_t n_simulated = 0;                ///< impacts in the window, in a bin or not
   std::vector<std::size_t> simulated_counts;  ///< in the bins of the histogram
 };
-const Description& members_of(const ExpectedDensity*);
+Description members_of(const ExpectedDensity*);
 
 /// The closed form of the scatter beside the simulation that it is to agree with. No parameter is fitted.
 struct ScatterTheory {
@@ -44,7 +44,7 @@ struct ScatterTheory {
   std::size_t n_transforms = 0;
   std::array<std::size_t, 20> transform_counts{};  ///< of the simulated impacts, by twentieths of the transform
 };
-const Description& members_of(const ScatterTheory*);
+Description members_of(const ScatterTheory*);
 
 /// Slopes: one over the mean, over the simulated impacts of the window, of the mean distances that fluctuation_sides()
 /// has at the window's centre and the impact's own past S. Densities: the mean of those two exponentials over the same

@@ -50,7 +50,7 @@ struct SweepPoint {
   std::vector<SweepValue> values;  ///< the same names in the same order at every point of a sweep
   std::string failure;             ///< which part of the method fails here, in words; empty: none
 };
-const Description& members_of(const SweepPoint*);
+Description members_of(const SweepPoint*);
 
 /// The numbers of a point and the judgement of it. The method is said to fail at a point, by the first of these that
 /// holds, where

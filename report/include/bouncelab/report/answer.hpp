@@ -29,7 +29,7 @@ struct DropsSeen {
   std::optional<fit::Interval> drop_heights_m;
   std::size_t n_heights = 0;  ///< drops with a height
 };
-const Description& members_of(const DropsSeen*);
+Description members_of(const DropsSeen*);
 
 /// eps at one speed within the range measured.
 struct SpeedAndRestitution {
@@ -37,7 +37,7 @@ struct SpeedAndRestitution {
   fit::Estimate eps;         ///< peak of p(eps)
   double energy_lost = 0.0;  ///< 1 - mean of eps^2: share of the energy of the vertical motion that bounces take
 };
-const Description& members_of(const SpeedAndRestitution*);
+Description members_of(const SpeedAndRestitution*);
 
 /// One recording of several, alone.
 struct RecordingAnswer {
@@ -46,7 +46,7 @@ struct RecordingAnswer {
   std::string missing;                    ///< in words, why there is none
   DropsSeen seen;
 };
-const Description& members_of(const RecordingAnswer*);
+Description members_of(const RecordingAnswer*);
 
 /// The result for somebody who asks "what is the coefficient of restitution of my ball?".
 struct PlainAnswer {
@@ -62,7 +62,7 @@ struct PlainAnswer {
   std::vector<std::string> sentences;       ///< all of this in words, most important first
   std::string doubt;                        ///< one sentence, what makes it uncertain; empty: nothing to be named
 };
-const Description& members_of(const PlainAnswer*);
+Description members_of(const PlainAnswer*);
 
 /// A reason why eps is not the same at every bounce.
 struct Cause {
@@ -71,14 +71,14 @@ struct Cause {
   bool is_seen = false;        ///< the data show it
   std::string sentence;
 };
-const Description& members_of(const Cause*);
+Description members_of(const Cause*);
 
 /// A question that a reader of the report has, and the answer that follows from the fit.
 struct Finding {
   std::string question;
   std::string answer;
 };
-const Description& members_of(const Finding*);
+Description members_of(const Finding*);
 
 struct FitInWords {
   PlainAnswer answer;
@@ -87,7 +87,7 @@ struct FitInWords {
   std::vector<Cause> causes;          ///< the three, largest first; empty without an answer
   std::vector<Finding> findings;      ///< how eps depends on speed, how sure, what limits it ...; empty without a law
 };
-const Description& members_of(const FitInWords*);
+Description members_of(const FitInWords*);
 
 /// Leaves no answer: `why`, not empty and without its full stop, stands in its place.
 void withhold_answer(const std::string& why, FitInWords& words);

@@ -22,7 +22,7 @@ struct Conclusion {
   bool holds = false;
   std::string detail;  ///< the numbers behind, in words
 };
-const Description& members_of(const Conclusion*);
+Description members_of(const Conclusion*);
 
 /// What Montaine et al., doi:10.1103/PhysRevE.84.041306, conclude from their figs. 1 and 2:
 ///   - p(eps) at fixed speed is not normal          every window: AIC(normal) - AIC(two exponentials) > 10

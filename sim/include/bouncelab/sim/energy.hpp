@@ -72,7 +72,7 @@ struct EnergyShares {
   double rotational = 0.0;                          ///< J omega^2 / 2
   double rotational_lo = 0.0, rotational_hi = 0.0;  ///< 16 % and 84 % quantiles over the drops
 };
-const Description& members_of(const EnergyShares*);
+Description members_of(const EnergyShares*);
 
 /// @param impacts  with states
 /// @return ordered by number of the impact, none missing in between

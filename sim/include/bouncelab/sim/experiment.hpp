@@ -97,7 +97,7 @@ struct SimulationResult {
   std::vector<std::string> warnings;
 };
 /// Its counts and energies.
-const Description& members_of(const SimulationResult*);
+Description members_of(const SimulationResult*);
 
 /// Takes each drop once it is simulated; from one thread at a time, in any order.
 /// @param k  its place among the drops of the configuration

@@ -80,7 +80,7 @@ struct SectionCircle {
   double angle_rad = 0.0;  ///< of its centre along the ball's circle
   double radius_m = 0.0;   ///< sqrt(R_j^2 - d^2), d the distance of the asperity's centre from the plane
 };
-const Description& members_of(const SectionCircle*);
+Description members_of(const SectionCircle*);
 
 /// A piece of the ball as it looks when cut through its centre, for a picture of its surface.
 struct BallSection {
@@ -90,7 +90,7 @@ struct BallSection {
   double half_angle_rad = 0.0;          ///< the piece reaches from minus to plus this; at most a quarter of the circle
   std::vector<SectionCircle> circles;   ///< by angle
 };
-const Description& members_of(const BallSection*);
+Description members_of(const BallSection*);
 
 /// The piece around the z axis of the body frame in the plane y = 0, so long that some 10 asperities are cut by it (of
 /// directions uniform on the sphere the plane cuts R_j / (2 pi R) of them in each radian).

@@ -28,7 +28,7 @@ struct DetectionConfig {
   std::string lossy_coding;
 };
 /// The options: channel, track, rate, min_impacts.
-const Description& members_of(const DetectionConfig*);
+Description members_of(const DetectionConfig*);
 
 enum class DetectionStatus {
   ok,               ///< at least one track of impacts
@@ -54,7 +54,7 @@ struct DropSummary {
 
   static constexpr double kDoubtfulOdds = 10.0;  ///< of drops with such odds one in eleven is none
 };
-const Description& members_of(const DropSummary*);
+Description members_of(const DropSummary*);
 
 /// Estimates of one recording as a whole.
 struct RecordingSummary {
@@ -81,7 +81,7 @@ struct RecordingSummary {
   std::int64_t n_drops = 0;                  ///< tracks found
   std::optional<double> restitution_median;  ///< of T_{k+1} / T_k over all tracks; absent where there is none
 };
-const Description& members_of(const RecordingSummary*);
+Description members_of(const RecordingSummary*);
 
 /// Mean sound of an impact of the recording (full scale = 1), from a little before the start of contact: the
 /// matched-filter template before whitening.
@@ -92,14 +92,14 @@ struct LearnedWave {
   std::vector<double> spread;  ///< standard deviation from impact to impact
   std::int64_t n_impacts = 0;  ///< that the template is the mean of
 };
-const Description& members_of(const LearnedWave*);
+Description members_of(const LearnedWave*);
 
 /// Power spectral density of the quiet parts [1/Hz], full scale = 1.
 struct NoiseSpectrum {
   std::vector<double> frequency_hz;
   std::vector<double> psd;
 };
-const Description& members_of(const NoiseSpectrum*);
+Description members_of(const NoiseSpectrum*);
 
 struct Detection {
   Onsets onsets;
@@ -118,7 +118,7 @@ struct RecordingDetection {
   std::size_t n_onsets = 0;
   Detection found;
 };
-const Description& members_of(const RecordingDetection*);
+Description members_of(const RecordingDetection*);
 /// The first recording in which impacts were found; nullptr where there is none.
 const RecordingDetection* first_found(const std::vector<RecordingDetection>& recordings);
 

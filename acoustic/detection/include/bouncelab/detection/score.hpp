@@ -27,7 +27,7 @@ struct OnsetScore {
   std::optional<double> pull_sd;
   std::vector<std::optional<std::size_t>> match;  ///< for each true impact, the index of its detected one
 };
-const Description& members_of(const OnsetScore*);
+Description members_of(const OnsetScore*);
 
 /// Matches detected to true times one to one, nearest pairs first. Both may hold several recordings; times of different
 /// recordings are never matched.

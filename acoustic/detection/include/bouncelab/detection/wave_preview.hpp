@@ -26,8 +26,8 @@ struct WaveExcerpt {
   std::vector<double> samples;  ///< full scale = 1
   std::vector<Mark> marks;
 };
-const Description& members_of(const WaveExcerpt::Mark*);
-const Description& members_of(const WaveExcerpt*);
+Description members_of(const WaveExcerpt::Mark*);
+Description members_of(const WaveExcerpt*);
 
 /// A piece of the recording for the ear: one channel, 16 bit, its peak at 0.9 of full scale.
 struct ListeningCopy {
@@ -35,7 +35,7 @@ struct ListeningCopy {
   double rate_hz = 0.0;
   std::vector<std::int16_t> samples;
 };
-const Description& members_of(const ListeningCopy*);
+Description members_of(const ListeningCopy*);
 
 /// The sound from half a second before the first mark to half a second after the last, at most 30 s of it; decimated
 /// to at most 24 kHz: for listening, not for measuring. Empty where there is no mark or no sound.
@@ -54,7 +54,7 @@ struct WavePreview {
   ListeningCopy copy;                 ///< of the whole recording's preview; empty of a drop's
   std::vector<WaveExcerpt> excerpts;  ///< an early, two middle, a late impact: 3 ms before to 8 ms after
 };
-const Description& members_of(const WavePreview*);
+Description members_of(const WavePreview*);
 
 /// @param onsets  of this recording (those of other recordings are ignored, by their name)
 WavePreview wave_preview(const audio::AudioSource& sound, const std::string& recording, int channel,

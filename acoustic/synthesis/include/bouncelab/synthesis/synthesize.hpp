@@ -39,7 +39,7 @@ struct SynthesisResult {
   int n_modes = 0;                    ///< of ground, below half the sample rate and max_mode_hz
   std::vector<std::string> warnings;  ///< modes that the rate cannot hold, clipped impacts ...
 };
-const Description& members_of(const SynthesisResult*);
+Description members_of(const SynthesisResult*);
 
 /// Impact times to sound: renders the recording to a file, in constant memory for any length and number of drops.
 ///

@@ -34,7 +34,7 @@ struct Disturbances {
   double phase_wander_rad = 0.0;  ///< standard deviation of the modes' phases from impact to impact
   double speech_per_s = 0.0;      ///< voiced syllables, peaks at levels 0.5 to 5, Poisson in time
 };
-const Description& members_of(const Disturbances*);
+Description members_of(const Disturbances*);
 
 /// A simulated ball strikes where the ground is no more.
 class OffThePlate : public InvalidArgument {

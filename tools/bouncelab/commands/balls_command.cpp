@@ -2,7 +2,7 @@
 #include <fmt/format.h>
 
 #include "bouncelab/core/ball.hpp"
-#include "options/commands.hpp"
+#include "commands/beside_commands.hpp"
 #include "stages/ball_of_files.hpp"
 
 namespace bouncelab::cli {
@@ -54,7 +54,8 @@ std::string everyday_words() {
   return text;
 }
 
-/// The catalogue: balls, materials of balls, plates, each with its source.
+}  // namespace
+
 Outcome run_balls() {
   Outcome outcome;
   outcome.text = fmt::format("{:<17} {:>12} {:>8} {:>16} {:>8} {:>6} {:>10} {:>8}\n", "--ball", "diameter[mm]",
@@ -77,16 +78,6 @@ Outcome run_balls() {
       "\nSources of the balls\n" + sources(ball_kinds()) + "Sources of the plates\n" + sources(plate_kinds());
   outcome.result = catalogue();
   return outcome;
-}
-
-}  // namespace
-
-Command balls_command() {
-  return {"balls",
-          "Lists the balls, materials and plates that --ball and --plate know, with their numbers and sources",
-          "Example: bouncelab balls --json",
-          {},
-          [](Run&) { return run_balls(); }};
 }
 
 }  // namespace bouncelab::cli

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Which channel of a recording is taken, and in which band of it the tracks are found.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -21,6 +22,8 @@ using test::Channel;
 using test::channel_of;
 using test::kBall;
 using test::kFull_hz;
+using test::kLow_hz;
+using test::kMiddle_hz;
 
 constexpr double kLength_s = 120.0;
 constexpr double kDropEvery_s = 10.0;
@@ -61,13 +64,15 @@ const std::vector<float>& ball() {
   return x;
 }
 
-TEST(ChannelChoice, OfTheSameBallTheLouderChannelIsChosenWhicheverIsTheFirst) {
+TEST(ChannelChoice, OfTheSameBallTheLouderOrCleanerChannelIsChosenWhicheverIsTheFirst) {
   const std::vector<float> near = with_noise(ball(), 2e-3, 1), far = with_noise(drops(0.1), 2e-3, 2);
-  for (const std::size_t n : {0U, 1U}) {
-    const ChosenChannel chosen = chosen_of(n == 0 ? std::vector{near, far} : std::vector{far, near});
-    EXPECT_EQ(chosen.channel, n);
-    EXPECT_EQ(n_impacts(chosen), 12U * 40U);
-  }
+  const std::vector<float> noisy = with_noise(ball(), 2e-2, 3);
+  for (const std::vector<float>& other : {far, noisy})
+    for (const std::size_t n : {0U, 1U}) {
+      const ChosenChannel chosen = chosen_of(n == 0 ? std::vector{near, other} : std::vector{other, near});
+      EXPECT_EQ(chosen.channel, n);
+      EXPECT_EQ(n_impacts(chosen), 12U * 40U);
+    }
 }
 
 TEST(ChannelChoice, AChannelWithoutABallIsNotChosen) {
@@ -89,39 +94,6 @@ bool is_preferred(const Channel& a, const Channel& b) {
   return is_preferred(a.bands[a.found.band], a.found, b.bands[b.found.band], b.found);
 }
 
-/// As a microphone records it.
-Channel recorded(double ball, double noise_rms, std::uint64_t seed) {
-  test::BouncingSound sound;
-  sound.rate_hz = kFull_hz;
-  sound.eps = 0.8;
-  sound.eps_scatter = 0.0;
-  sound.n_impacts = 9;
-  sound.first_flight_s = 0.5;
-  sound.amplitude = ball;
-  sound.noise_rms = 0.0;
-  std::vector<float> x = render(sound);
-  test::add_noise(x, noise_rms, seed);
-  return channel_of(BandsOfChannel(audio::source_in_memory(x, kFull_hz)));
-}
-
-TEST(ChannelChoice, OfOneBallTheChannelIsPreferredInWhichItsImpactsRiseTheMore) {
-  const Channel louder = channel_of({band_of(kBall, kFull_hz, 400.0)});
-  const Channel fainter = channel_of({band_of(kBall, kFull_hz, 40.0)});
-  EXPECT_TRUE(is_preferred(louder, fainter));
-  EXPECT_FALSE(is_preferred(fainter, louder));
-}
-
-TEST(ChannelChoice, OfTwoMicrophonesTheOneIsPreferredThatHasTheBallLouderOrCleaner) {
-  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
-    const Channel near = recorded(0.5, 2e-3, seed), far = recorded(0.1, 2e-3, seed + 10);
-    const Channel noisy = recorded(0.5, 2e-2, seed + 20);
-    EXPECT_TRUE(is_preferred(near, far)) << seed;
-    EXPECT_FALSE(is_preferred(far, near)) << seed;
-    EXPECT_TRUE(is_preferred(near, noisy)) << seed;
-    EXPECT_FALSE(is_preferred(noisy, near)) << seed;
-  }
-}
-
 TEST(ChannelChoice, AChannelWithoutTheBallIsNeverPreferred) {
   const Channel with_ball = channel_of({band_of(kBall, kFull_hz, 10.0)});
   ASSERT_EQ(with_ball.found.tracks.size(), 1u);
@@ -141,11 +113,59 @@ TEST(ChannelChoice, AChannelWithoutTheBallIsNeverPreferred) {
   }
 }
 
-TEST(ChannelChoice, OfChannelsWithoutAnyTheFirstStays) {
-  const Channel silent = channel_of({band_of({}, kFull_hz)});
-  EXPECT_TRUE(silent.found.tracks.empty());
-  EXPECT_EQ(silent.found.log_odds(), 0.0);
-  EXPECT_FALSE(is_preferred(silent, silent));
+TEST(ChannelTracks, AreThoseOfALowBandWhereOnlyThatHasTheBall) {
+  const std::vector<Candidate> few(kBall.begin(), kBall.begin() + 4);
+  for (std::size_t low : {1, 2}) {
+    std::vector<BandOfChannel> bands{band_of(few, kFull_hz), band_of({}, kMiddle_hz), band_of({}, kLow_hz)};
+    bands[0].candidates.back().log_likelihood_ratio = 12.0;  // the next are below the noise
+    bands[low] = band_of(kBall, low == 1 ? kMiddle_hz : kLow_hz);
+    const ChannelTracks found = channel_of(bands).found;
+    EXPECT_EQ(found.band, low);
+    ASSERT_EQ(found.tracks.size(), 1u);
+    EXPECT_EQ(found.tracks[0].impacts.size(), kBall.size());
+  }
+}
+
+TEST(ChannelTracks, ADropThatAnotherBandShowsByItselfJoinsWithTheImpactsThatRiseHere) {
+  const std::vector<Candidate> later = test::candidates_of({.first_s = 12.0});
+  const std::vector<Candidate> some{later[0], later[1], later[3]};  // which are no ball's by themselves
+  const auto channel = channel_of({band_of(test::joined(kBall, some), kFull_hz), band_of(later, kLow_hz)});
+  EXPECT_EQ(channel.found.band, 0u);
+  ASSERT_EQ(channel.found.tracks.size(), 2u);
+  std::vector<std::size_t> candidates;
+  std::vector<std::int64_t> numbers;
+  for (const TrackImpact& impact : channel.found.tracks[1].impacts) {
+    candidates.push_back(impact.candidate - kBall.size());
+    numbers.push_back(impact.impact);
+  }
+  EXPECT_EQ(candidates, (std::vector<std::size_t>{0, 1, 2}));
+  EXPECT_EQ(numbers, (std::vector<std::int64_t>{0, 1, 3}));
+}
+
+TEST(ChannelTracks, LowerBandsAreNotSearchedWhereTheyHaveNothingToAdd) {
+  const std::vector<Candidate> longer = test::candidates_of({.n_impacts = 14});
+  std::vector<BandOfChannel> bands{band_of(kBall, kFull_hz), band_of(longer, kMiddle_hz)};
+  EXPECT_EQ(channel_of(bands).found.band, 0u);
+  bands[0].candidates.push_back(test::candidate(4.3, 100.0));  // what is no impact may hide some
+  bands[0].same_source = test::alike(bands[0].candidates.size());
+  EXPECT_EQ(channel_of(bands).found.band, 1u);
+}
+
+TEST(ChannelTracks, ASoftBallIsFoundInALowBandOfItsSound) {
+  // thuds at 90 to 400 Hz under hiss
+  std::vector<float> x(static_cast<std::size_t>(4.5 * kFull_hz));
+  for (const Candidate& impact : kBall)
+    test::add_modal_sound(x, kFull_hz, impact.t_s, 1e-3 * impact.amplitude,
+                          test::equal_modes({90.0, 170.0, 260.0, 400.0}, 15e-3, 0.2));
+  test::add_noise(x, 0.05, 1);
+  const Channel channel = channel_of(BandsOfChannel(audio::source_in_memory(x, kFull_hz)));
+  ASSERT_EQ(channel.bands.size(), 3u);
+  EXPECT_EQ(channel.bands[0].decimation, 1);
+  EXPECT_EQ(channel.bands[1].decimation, 11);
+  EXPECT_EQ(channel.bands[2].decimation, 44);
+  EXPECT_GT(channel.found.band, 0u);
+  ASSERT_EQ(channel.found.tracks.size(), 1u);
+  EXPECT_GE(channel.found.tracks[0].impacts.size(), 7u);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "commands/beside_commands.hpp"
 #include "options/commands.hpp"
 
 namespace bouncelab::cli {
@@ -57,45 +58,25 @@ std::string offered(const std::vector<std::string>& typed) {
     const std::string& before = typed[typed.size() - 2];
     const std::optional<Option> taker =
         before.starts_with("--") ? option_named(sections, before.substr(2)) : std::nullopt;
-    if (taker && taker->member->kind != Member::Kind::flag) return lines_of(taker->member->choices);
+    if (taker && taker->member->kind != Member::Kind::flag) return lines_of(choices_of(*taker->member));
     if (!typed.back().starts_with('-')) return "";
     for (const Option& option : options_of(sections))
       if (!option.member->is_positional)
-        words.push_back("--" + option_name(*option.member) + "\t" + first_line(option.member->text));
+        words.push_back("--" + option_name(*option.member) + "\t" + first_line(help_of(option)));
     words.emplace_back("--help\tThis help");
   }
   return lines_of(words);
 }
 
-struct Words {
-  std::string shell;
-  std::vector<std::string> typed;
-};
-
 }  // namespace
 
-Command completion_command() {
-  static const Description options{
-      member("shell", &Words::shell, "bash, zsh or fish; words: what their scripts ask for")
-          .one_of({"bash", "zsh", "fish", "words"})
-          .required()
-          .positional(),
-      member("typed", &Words::typed, "Of `words`: what is typed, the word to complete last").positional()};
-  auto words = std::make_shared<Words>();
-  return {"completion",
-          "A script by which bash, zsh or fish complete bouncelab's words",
-          "Examples: bouncelab completion bash > ~/.local/share/bash-completion/completions/bouncelab\n"
-          "          bouncelab completion fish > ~/.config/fish/completions/bouncelab.fish\n"
-          "          bouncelab completion zsh > DIR/_bouncelab   (DIR in $fpath)",
-          {{"", &options, words.get()}},
-          [words](Run&) {
-            Outcome outcome;
-            outcome.text = words->shell == "bash"   ? kBash
-                           : words->shell == "zsh"  ? kZsh
-                           : words->shell == "fish" ? kFish
-                                                    : offered(words->typed) + "\n";
-            return outcome;
-          }};
+Outcome run_completion(const CompletionOptions& options) {
+  Outcome outcome;
+  outcome.text = options.shell == "bash"   ? kBash
+                 : options.shell == "zsh"  ? kZsh
+                 : options.shell == "fish" ? kFish
+                                           : offered(options.typed) + "\n";
+  return outcome;
 }
 
 }  // namespace bouncelab::cli

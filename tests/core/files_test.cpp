@@ -1,0 +1,334 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Files read at any place, through pipes too; outputs that appear whole or not, never in place of an input; locks.
+#include "bouncelab/core/files.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <csignal>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <thread>
+
+#include "bouncelab/core/error.hpp"
+#include "bouncelab/core/table.hpp"
+#include "support/temporary_folder.hpp"
+
+namespace bouncelab {
+namespace {
+
+namespace fs = std::filesystem;
+
+class FileBytesTest : public ::testing::Test {
+ protected:
+  void write(std::size_t n) {
+    content_.resize(n);
+    for (std::size_t k = 0; k < n; ++k) content_[k] = static_cast<char>((k * 2654435761U) >> 13);
+    std::ofstream(path_, std::ios::binary) << content_;
+  }
+
+  test::TemporaryFolder folder_;
+  const std::filesystem::path path_ = folder_ / "bytes";
+  std::string content_;
+};
+
+TEST_F(FileBytesTest, HoldsWhatTheFileHoldsForwardsBackwardsAndAcrossItsWindows) {
+  write(9'000'001);  // more than two windows
+  FileBytes file(path_);
+  ASSERT_EQ(file.size(), 9'000'001);
+  for (const std::int64_t n : {1, 70'000, 5'000'000})
+    for (const std::int64_t first : {0L, 4'000'001L, 8'999'999L, 65'535L, 4'194'300L}) {
+      const std::int64_t n_here = std::min<std::int64_t>(n, file.size() - first);
+      const auto bytes = file.at(first, n_here);
+      ASSERT_EQ(std::string(bytes.begin(), bytes.end()),
+                content_.substr(static_cast<std::size_t>(first), static_cast<std::size_t>(n_here)))
+          << n << " bytes from " << first;
+    }
+}
+
+TEST_F(FileBytesTest, RefusesWhatLiesBeyondTheEnd) {
+  write(100);
+  FileBytes file(path_);
+  EXPECT_EQ(file.at(99, 1).size(), 1U);
+  EXPECT_TRUE(file.at(100, 0).empty());
+  EXPECT_THROW(file.at(99, 2), FileError);
+  EXPECT_THROW(file.at(-1, 2), FileError);
+}
+
+TEST_F(FileBytesTest, SaysThatAFileWasCutShortWhileItWasRead) {
+  // a recorder's disk that goes away: an error of this file, not the end of the program
+  write(2'000'000);
+  FileBytes file(path_);
+  file.at(0, 1000);
+  std::filesystem::resize_file(path_, 1'000'000);
+  EXPECT_THROW(file.at(1'500'000, 1000), FileError);
+  EXPECT_EQ(file.at(900'000, 1000).size(), 1000U);
+}
+
+TEST_F(FileBytesTest, NamesAFileThatIsNotThere) { EXPECT_THROW(FileBytes("/no/such/file"), FileError); }
+
+using Paths = std::vector<fs::path>;
+
+class CheckFiles : public testing::Test {
+ protected:
+  CheckFiles() {
+    for (const char* name : {"in.csv", "other.csv"}) std::ofstream(folder_ / name) << "x";
+    fs::create_hard_link(folder_ / "in.csv", folder_ / "hard.csv");
+    fs::create_symlink("in.csv", folder_ / "soft.csv");
+    fs::create_symlink("new.csv", folder_ / "dangling.csv");
+    fs::create_directory_symlink(".", folder_ / "here");
+  }
+  Paths in(const std::vector<std::string>& names) const {
+    Paths paths;
+    for (const std::string& name : names) paths.push_back(folder_ / name);
+    return paths;
+  }
+  void expect_refused(const Paths& inputs, const Paths& outputs, const char* words) const {
+    try {
+      check_files(inputs, outputs, {}, true);
+      ADD_FAILURE() << "not refused: " << words;
+    } catch (const InvalidArgument& error) {
+      EXPECT_THAT(error.what(), testing::HasSubstr(words));
+    }
+  }
+  test::TemporaryFolder folder_;
+};
+
+TEST_F(CheckFiles, NoOutputIsAnInputByAnyNameOrLink) {
+  for (const char* name : {"in.csv", "hard.csv", "soft.csv", "here/in.csv", "./in.csv", "here/here/soft.csv"})
+    expect_refused(in({"in.csv"}), in({name}), "is the input");
+  expect_refused(in({"soft.csv"}), in({"hard.csv"}), "is the input");
+}
+
+TEST_F(CheckFiles, NoOutputIsAnotherOneAlsoBeforeItExists) {
+  expect_refused({}, in({"new.csv", "here/new.csv"}), "two outputs");
+  expect_refused({}, in({"new.csv", "dangling.csv"}), "two outputs");
+  expect_refused({}, in({"other.csv", "./other.csv"}), "two outputs");
+}
+
+TEST_F(CheckFiles, WhatIsWrittenBesideAnOutputIsAnOutputToo) {
+  EXPECT_THROW(check_files(in({"in.csv"}), in({"new.csv"}), in({"hard.csv"}), true), InvalidArgument);
+  EXPECT_NO_THROW(check_files(in({"in.csv"}), in({"new.csv"}), in({"other.csv"}), false));
+}
+
+TEST_F(CheckFiles, TheNullDeviceTakesAllOutputsAndMayBeAnInput) {
+  EXPECT_NO_THROW(check_files({"/dev/null"}, {"/dev/null", "/dev/null"}, {}, false));
+}
+
+TEST_F(CheckFiles, ExistingOutputsNeedLeaveAndMissingInputsAreLeftToTheirReader) {
+  EXPECT_THROW(check_files({}, in({"other.csv"}), {}, false), FileExists);
+  EXPECT_THROW(check_files({}, in({"missing/new.csv"}), {}, true), FileError);
+  EXPECT_NO_THROW(check_files(in({"missing.csv"}), in({"new.csv"}), {}, false));
+  EXPECT_FALSE(fs::exists(folder_ / "new.csv")) << "checking leaves something behind";
+}
+
+TEST(FolderLockTest, TheSecondIsRefusedWithTheNumberOfTheFirst) {
+  const test::TemporaryFolder folder;
+  {
+    const FolderLock lock(folder);
+    // whoever shares the folder may take the lock that a killed run left
+    EXPECT_EQ(fs::status(fs::path(folder) / ".bouncelab.lock").permissions(), fs::perms{0666});
+    try {
+      const FolderLock second(folder);
+      ADD_FAILURE() << "two have the folder";
+    } catch (const FileError& error) {
+      EXPECT_THAT(error.what(), testing::HasSubstr("process " + std::to_string(::getpid())));
+    }
+  }
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder), {}), 0);
+  const FolderLock again(folder);
+}
+
+TEST(FolderLockTest, TheLockEndsWithItsProcess) {
+  const test::TemporaryFolder folder;
+  const pid_t child = ::fork();
+  if (child == 0) {
+    const FolderLock lock(folder);
+    ::raise(SIGKILL);
+  }
+  int status = 0;
+  ASSERT_EQ(::waitpid(child, &status, 0), child);
+  EXPECT_NO_THROW(FolderLock{folder});
+}
+
+class InputFileTest : public testing::Test {
+ protected:
+  /// Runs `use` while another thread writes `content` into a FIFO.
+  template <class Use>
+  void with_fifo(const std::string& content, const Use& use) {
+    const fs::path fifo = folder_ / "fifo";
+    ASSERT_EQ(::mkfifo(fifo.c_str(), 0600), 0);
+    std::thread writer([&] { std::ofstream(fifo, std::ios::binary) << content; });
+    use(fifo);
+    writer.join();
+  }
+  test::TemporaryFolder folder_;
+};
+
+TEST_F(InputFileTest, ARegularFileIsReadWhereItIs) {
+  std::ofstream(folder_ / "a") << "abc";
+  EXPECT_EQ(readable(folder_ / "a"), folder_ / "a");
+}
+
+TEST_F(InputFileTest, WhatComesThroughAFifoCanBeReadAgainAndAtAnyPlace) {
+  std::string content(1'000'000, 'x');
+  content[700'000] = 'y';
+  with_fifo(content, [&](const fs::path& fifo) {
+    for (int time = 0; time < 2; ++time) {
+      FileBytes bytes(fifo);
+      ASSERT_EQ(bytes.size(), 1'000'000);
+      EXPECT_EQ(bytes.at(700'000, 1)[0], 'y');
+      EXPECT_EQ(bytes.at(0, 1)[0], 'x');
+    }
+  });
+}
+
+TEST_F(InputFileTest, ATableComesThroughAFifoTwice) {
+  with_fifo("t_s\n0.5\n", [&](const fs::path& fifo) {
+    for (int time = 0; time < 2; ++time) EXPECT_EQ(read_csv(fifo, {{"t_s", ColumnType::real}}).n_rows(), 1u);
+  });
+}
+
+TEST_F(InputFileTest, NothingStaysInTheTemporaryFolder) {
+  with_fifo("abc", [&](const fs::path& fifo) {
+    ::setenv("TMPDIR", folder_.path().c_str(), 1);
+    readable(fifo);
+    ::unsetenv("TMPDIR");
+  });
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_), {}), 1) << "more than the FIFO";
+}
+
+TEST_F(InputFileTest, FoldersDevicesWithoutEndAndMissingFilesAreRefused) {
+  EXPECT_THROW(readable(folder_), FileError);
+  EXPECT_THROW(readable("/dev/zero"), FileError);
+  EXPECT_THROW(readable(folder_ / "missing"), FileError);
+}
+
+class OutputFileTest : public testing::Test {
+ protected:
+  long n_files() const { return std::distance(fs::directory_iterator(folder_), {}); }
+  test::TemporaryFolder folder_;
+};
+
+TEST_F(OutputFileTest, AppearsOnlyWhenCommitted) {
+  {
+    OutputFile file(folder_ / "a.csv", false);
+    std::ofstream(file.temporary_path()) << "half";
+    EXPECT_FALSE(fs::exists(folder_ / "a.csv"));
+  }
+  EXPECT_EQ(n_files(), 0) << "an abandoned file leaves something behind";
+  write_whole(folder_ / "a.csv", "whole", false);
+  EXPECT_EQ(fs::file_size(folder_ / "a.csv"), 5u);
+  EXPECT_EQ(n_files(), 1);
+}
+
+TEST_F(OutputFileTest, AnExistingFileIsKeptUnlessItMayBeReplaced) {
+  write_whole(folder_ / "a.csv", "old", false);
+  EXPECT_THROW(write_whole(folder_ / "a.csv", "newer", false), FileExists);
+  EXPECT_EQ(fs::file_size(folder_ / "a.csv"), 3u);
+  write_whole(folder_ / "a.csv", "newer", true);
+  EXPECT_EQ(fs::file_size(folder_ / "a.csv"), 5u);
+}
+
+TEST_F(OutputFileTest, AFolderOrAMissingFolderIsAnError) {
+  EXPECT_THROW(OutputFile(folder_, true), FileError);
+  EXPECT_THROW(OutputFile(folder_ / "missing" / "a.csv", true), FileError);
+}
+
+TEST_F(OutputFileTest, ALinkIsFollowedAndStays) {
+  write_whole(folder_ / "real.csv", "old", false);
+  fs::create_symlink("real.csv", folder_ / "link.csv");
+  fs::create_symlink("new.csv", folder_ / "dangling.csv");
+  EXPECT_THROW(write_whole(folder_ / "link.csv", "newer", false), FileExists);
+  write_whole(folder_ / "link.csv", "newer", true);
+  EXPECT_TRUE(fs::is_symlink(folder_ / "link.csv"));
+  EXPECT_EQ(fs::file_size(folder_ / "real.csv"), 5u);
+  write_whole(folder_ / "dangling.csv", "whole", false);
+  EXPECT_TRUE(fs::is_symlink(folder_ / "dangling.csv"));
+  EXPECT_EQ(fs::file_size(folder_ / "new.csv"), 5u);
+}
+
+TEST_F(OutputFileTest, APipeIsWrittenToAndNotReplaced) {
+  const fs::path fifo = folder_ / "fifo.csv";
+  ASSERT_EQ(::mkfifo(fifo.c_str(), 0600), 0);
+  std::string read;
+  std::thread reader([&] { std::getline(std::ifstream(fifo), read); });
+  write_whole(fifo, std::string(100'000, 'x'), false);
+  reader.join();
+  EXPECT_EQ(read.size(), 100'000u);
+  EXPECT_TRUE(fs::is_fifo(fifo));
+  write_whole("/dev/null", "x", false);  // not to break the machine where this fails
+  EXPECT_TRUE(fs::is_character_file("/dev/null"));
+  EXPECT_EQ(n_files(), 1);
+}
+
+TEST_F(OutputFileTest, AReplacedFileKeepsItsPermissionsAndANewOneHasThoseOfTheUmask) {
+  write_whole(folder_ / "a.csv", "old", false);
+  const mode_t mask = ::umask(0);
+  ::umask(mask);
+  EXPECT_EQ(static_cast<unsigned>(fs::status(folder_ / "a.csv").permissions()), 0666u & ~mask);
+  fs::permissions(folder_ / "a.csv", fs::perms{0640});
+  write_whole(folder_ / "a.csv", "newer", true);
+  EXPECT_EQ(fs::status(folder_ / "a.csv").permissions(), fs::perms{0640});
+}
+
+TEST_F(OutputFileTest, NamesUpToTheFileSystemsLimitAreWritten) {
+  const std::string longest = std::string(251, 'n') + ".csv";
+  write_whole(folder_ / longest, "whole", false);
+  EXPECT_EQ(fs::file_size(folder_ / longest), 5u);
+  EXPECT_THROW(OutputFile(folder_ / ("n" + longest), false), FileError);
+}
+
+TEST_F(OutputFileTest, AFileMadeByAnotherProcessMeanwhileIsKept) {
+  OutputFile file(folder_ / "a.csv", false);
+  std::ofstream(folder_ / "a.csv") << "other";
+  EXPECT_THROW(file.commit(), FileExists);
+  EXPECT_EQ(fs::file_size(folder_ / "a.csv"), 5u);
+}
+
+TEST_F(OutputFileTest, WhatAKilledProcessLeftIsRemovedAndNothingElse) {
+  std::ofstream(folder_ / ".bouncelab-notes.partial.csv") << "mine";
+  const pid_t child = ::fork();
+  if (child == 0) {
+    const OutputFile file(folder_ / "a.csv", false);
+    ::raise(SIGKILL);
+  }
+  int status = 0;
+  ASSERT_EQ(::waitpid(child, &status, 0), child);
+  ASSERT_EQ(n_files(), 2) << "a killed process leaves its file";
+  const OutputFile alive(folder_ / "b.csv", false);
+  remove_abandoned_files(folder_);
+  EXPECT_EQ(n_files(), 2) << "the notes and the file that is being written";
+  EXPECT_TRUE(fs::exists(alive.temporary_path()));
+  EXPECT_TRUE(fs::exists(folder_ / ".bouncelab-notes.partial.csv"));
+}
+
+TEST_F(OutputFileTest, WaitsForTheLockThatAKilledProcessLeftToItsChild) {
+  const pid_t owner = ::fork();
+  if (owner == 0) {
+    const OutputFile file(folder_ / "a.csv", false);
+    if (::fork() == 0) {  // has the file open too
+      ::usleep(50'000);
+      ::_exit(0);
+    }
+    ::raise(SIGKILL);
+  }
+  ASSERT_EQ(::waitpid(owner, nullptr, 0), owner);
+  ASSERT_EQ(n_files(), 1);
+  remove_abandoned_files(folder_);
+  EXPECT_EQ(n_files(), 0);
+}
+
+TEST_F(OutputFileTest, KeepsTheExtensionOfTheTemporaryFile) {
+  EXPECT_EQ(OutputFile(folder_ / "a.flac", false).temporary_path().extension(), ".flac");
+}
+
+}  // namespace
+}  // namespace bouncelab
