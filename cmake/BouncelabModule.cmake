@@ -20,7 +20,6 @@ function(bouncelab_add_module name)
   set_property(GLOBAL APPEND PROPERTY BOUNCELAB_PUBLIC_INCLUDE_DIRS ${CMAKE_CURRENT_SOURCE_DIR}/include)
   target_include_directories(bouncelab_${name} PRIVATE ${CMAKE_CURRENT_SOURCE_DIR}/src)
   target_link_libraries(bouncelab_${name} PUBLIC ${arg_PUBLIC} PRIVATE ${arg_PRIVATE})
-  target_precompile_headers(bouncelab_${name} PRIVATE <algorithm> <cmath> <functional> <map> <memory> <numeric> <optional> <string> <vector>)
   install(TARGETS bouncelab_${name} EXPORT bouncelab_${name}
     ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT ${name}
     FILE_SET HEADERS DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT ${name})

@@ -69,9 +69,9 @@ std::string samples_json(RestitutionSamples samples, const std::string& fit_json
     samples = fit::at_the_plate(std::move(samples), found("kappa_per_m"), found("contact_s"));
   Values v_mps, eps, sigma_eps;
   for (const RestitutionSample& sample : samples) {
-    v_mps.push_back(sample.v_mps);
-    eps.push_back(sample.eps);
-    sigma_eps.push_back(value_of(sample.sigma_eps));
+    v_mps.emplace_back(sample.v_mps);
+    eps.emplace_back(sample.eps);
+    sigma_eps.emplace_back(value_of(sample.sigma_eps));
   }
   return json_text(Object{{"v_mps", v_mps}, {"eps", eps}, {"sigma_eps", sigma_eps}});
 }

@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const std::vector<std::string> kOutputs{"impacts.csv",
+const std::vector<std::string> kOutputsOfThePaper{"impacts.csv",
                                         "truth.csv",
                                         "onsets.csv",
                                         "samples.csv",
@@ -90,7 +90,7 @@ loop::LoopConfig paper_config(const LoopOptions& options, const Run& run) {
 Outcome run_paper_loop(const LoopOptions& options, const Run& run) {
   const fs::path folder = options.out;
   const OutputFolder output_folder(folder);
-  check_loop_files(options, kOutputs, run);
+  check_loop_files(options, kOutputsOfThePaper, run);
   const loop::LoopResult result = loop::run_loop(paper_config(options, run), stage_progress(run));
 
   StageClock clock;

@@ -35,7 +35,4 @@ Fitted fit_of_few(const LawData& data, std::size_t n_speeds);
 /// may be one.
 std::vector<LawModel> models_of(const LawData& data, const LawFitConfig& config);
 
-/// Speeds within a factor of this are one: no curve can be seen.
-inline constexpr double kOneSpeed = 1.2;
-
 }  // namespace bouncelab::fit

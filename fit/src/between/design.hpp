@@ -12,10 +12,6 @@
 
 namespace bouncelab::fit {
 
-/// Ratio of the highest to the lowest speed below which the law's three constants are not determined: of one recording
-/// and of all.
-inline constexpr double kOneSpeed = 1.2;
-
 /// Which groups there are. Numbers are in order of name.
 struct GroupLabels {
   std::vector<std::string> names;

@@ -20,7 +20,6 @@ using Group = std::pair<std::string, RestitutionSamples>;
 
 constexpr std::size_t kFewestOfACurve = 30;  // samples of each group; of fewer one eps at the speeds that they share
 constexpr std::size_t kFewestOfAGroup = 3;
-constexpr double kOneSpeed = 1.2;
 
 /// Speeds from the twentieth to the last twentieth, which all groups share.
 std::pair<double, double> shared_speeds(const std::vector<Group>& groups) {

@@ -14,6 +14,10 @@
 
 namespace bouncelab::fit {
 
+/// Speeds whose highest is less than this times the lowest are one speed: no curve is seen, and the law's constants are
+/// not determined.
+inline constexpr double kOneSpeed = 1.2;
+
 /// eps(v) in well-conditioned coordinates q, each of the size of eps or of its logarithm:
 ///   series        q_j = eps at the j-th node speed; A is linear in q
 ///   viscoelastic  q = log gamma

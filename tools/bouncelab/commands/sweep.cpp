@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const std::vector<std::string> kOutputs{"sweep.csv", "sweep.json", "report.html"};
+const std::vector<std::string> kOutputsOfASweep{"sweep.csv", "sweep.json", "report.html"};
 
 /// A command line of `loop` on its own.
 struct ParsedLoop {
@@ -67,7 +67,7 @@ Outcome run_sweep(const LoopOptions& options, const Run& run) {
   for (std::size_t k = 0; k < n_points; ++k) parsed(run, loop::combination(run.sweep, k));  // errors before the work
 
   const OutputFolder output_folder(folder);
-  check_loop_files(options, kOutputs, run);
+  check_loop_files(options, kOutputsOfASweep, run);
   const ProgressCallback progress = progress_line(run, "sweep", "points");
   std::vector<loop::SweepPoint> points;
   for (std::size_t k = 0; k < n_points; ++k) {

@@ -7,7 +7,7 @@
 namespace bouncelab::detection {
 namespace {
 
-float square(float x) { return x * x; }
+float energy_of(float x) { return x * x; }
 
 }  // namespace
 
@@ -33,7 +33,7 @@ InnovationEnergy::InnovationEnergy(const audio::AudioSource& sound, const ArMode
   const float* x = innovations_.data();
   for (std::int64_t k = 0; k < n_hops; ++k) {
     float energy = 0.0F;
-    for (std::int64_t j = 0; j < hop; ++j) energy += square(*x++);
+    for (std::int64_t j = 0; j < hop; ++j) energy += energy_of(*x++);
     running_.push_back(running_.back() + (static_cast<double>(energy) + floor_ * static_cast<double>(hop)));
   }
 }
@@ -42,7 +42,7 @@ std::vector<double> InnovationEnergy::running(std::int64_t first, std::int64_t l
   std::vector<double> sums(static_cast<std::size_t>(last - first) + 1);
   const float* x = innovations_.data() + (first - first_hop_ * hop_);
   double sum = 0.0;
-  for (std::size_t k = 1; k < sums.size(); ++k, ++x) sums[k] = sum = sum + (static_cast<double>(square(*x)) + floor_);
+  for (std::size_t k = 1; k < sums.size(); ++k, ++x) sums[k] = sum = sum + (static_cast<double>(energy_of(*x)) + floor_);
   return sums;
 }
 
@@ -51,7 +51,7 @@ double InnovationEnergy::before_sample(std::int64_t sample) const {
   const std::int64_t n_hops = offset / hop_;
   double sum = running_[static_cast<std::size_t>(n_hops)];
   const float* x = innovations_.data();
-  for (std::int64_t k = n_hops * hop_; k < offset; ++k) sum += static_cast<double>(square(x[k])) + floor_;
+  for (std::int64_t k = n_hops * hop_; k < offset; ++k) sum += static_cast<double>(energy_of(x[k])) + floor_;
   return sum;
 }
 

@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::int64_t kWhiteBlock =
     256;  // samples; shorter ones would cost more calls, longer ones more at windows' ends
-constexpr std::int64_t kMostBlocks = (1 << 17) / kWhiteBlock + 2;  // a window's ends lie in blocks
+constexpr std::int64_t kMostBlocksOfAWindow = (1 << 17) / kWhiteBlock + 2;  // a window's ends lie in blocks
 constexpr std::int64_t kPlacesOfKept = 4;  // places for each block kept, of which few are wanted by two blocks then
 constexpr std::int32_t kNoPlace = -1;
 
@@ -20,15 +20,15 @@ std::int64_t block_of(std::int64_t sample) { return (sample >= 0 ? sample : samp
 
 WhiteSound::WhiteSound(const audio::AudioSource& source)
     : source_(source),
-      memory_(new float[kMostBlocks * kWhiteBlock]),  // holds anything yet
-      places_(kPlacesOfKept * kMostBlocks, kNoPlace) {}
+      memory_(new float[kMostBlocksOfAWindow * kWhiteBlock]),  // holds anything yet
+      places_(kPlacesOfKept * kMostBlocksOfAWindow, kNoPlace) {}
 
 void WhiteSound::read(const std::vector<float>& whitener, std::int64_t first, std::span<float> out) {
   if (out.empty()) return;
   const std::int64_t end = first + std::ssize(out);
   const std::int64_t first_block = block_of(first), last_block = block_of(end - 1) + 1;
-  assert(last_block - first_block <= kMostBlocks);
-  if (whitener != model_.filter || last_block - first_block > kMostBlocks - std::ssize(numbers_)) {
+  assert(last_block - first_block <= kMostBlocksOfAWindow);
+  if (whitener != model_.filter || last_block - first_block > kMostBlocksOfAWindow - std::ssize(numbers_)) {
     model_.filter = whitener;
     std::fill(places_.begin(), places_.end(), kNoPlace);
     numbers_.clear();
