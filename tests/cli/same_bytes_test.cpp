@@ -48,7 +48,10 @@ const std::vector<Stage> kStages{
     {"fit samples.csv --goodness-replicates 3 --bootstrap 3 --out fit.json --table law.csv", "fit.json", {}},
     {"", "law.csv", {{"eps", 25, 24.418226725927685}}},
     {"restitution other.csv --out samples2.csv", "samples2.csv", {}},
+    {"fit samples.csv --method memory --out memory.json", "memory.json", {}},
     {"compare samples.csv samples2.csv --out compared", "compared/comparison.json", {}},
+    {"analyze sound.wav --ball steel:6mm --plate glass --out analyzed", "analyzed/fit.json", {}},
+    {"loop --preset quick --drops 2 --impacts 40 --asperities 2000 --out loop", "loop/fit.json", {}},
 };
 
 class SameBytes : public ProgramTest {

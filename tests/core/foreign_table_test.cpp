@@ -103,7 +103,7 @@ void expect_drops(const Onsets& onsets, std::size_t n_drops, std::size_t n_impac
   }
 }
 
-struct Case {
+struct TableCase {
   const char* name;
   std::string text;
   std::size_t n_drops, n_impacts;
@@ -128,7 +128,7 @@ TEST(ForeignTable, OfTimesAndIntervalsIsWhatItsWriterMeant) {
   const auto six_digits = [](std::size_t, double t) { return formatted("%.6f", t); };
   const std::string stopwatch = R"x("Start (s)","Stop 1 (s)","Stop 2 (s)","Stop 3 (s)","Stop 4 (s)","Stop 5 (s)")x";
   // six decimals of seconds: 1e-6 of the shortest interval, 0.1 s; four: 1e-3; three: 0.01
-  const std::vector<Case> cases{
+  const std::vector<TableCase> cases{
       {"aubioonset", lines(t_s, six_digits), 1, 12, 2e-5, "times in s"},
       {"comments and blank lines", "# aubio\n\n" + lines(t_s, six_digits) + "\n", 1, 12, 2e-5, "times in s"},
       {"Sonic Visualiser", lines(t_s, [](auto, double t) { return formatted("%.9f,New Point", t); }), 1, 12, 1e-7,
@@ -202,7 +202,7 @@ TEST(ForeignTable, OfTimesAndIntervalsIsWhatItsWriterMeant) {
        12, 2e-5, "times in ms"},
       {"Latin-1", "Zeit (\xB5s)\n" + lines(t_s, [](auto, double t) { return formatted("%.0f", 1e6 * t); }), 1, 12, 2e-5,
        "times in us"}};
-  for (const Case& c : cases) {
+  for (const TableCase& c : cases) {
     SCOPED_TRACE(c.name);
     expect_drops(read(c.text), c.n_drops, c.n_impacts, c.tolerance);
     EXPECT_THAT(taken(c.text).taken_for, HasSubstr(c.taken_for));

@@ -14,13 +14,11 @@
 namespace bouncelab::fit {
 namespace {
 
-constexpr double kG = kDefaultGravity_mps2;
-
 using Bounce = testing::IntegratedFlight;
 
 template <class Deceleration>
 Bounce integrated(double launch_mps, Deceleration deceleration) {
-  return testing::integrated_flight(launch_mps, kG, 2000, deceleration);
+  return testing::integrated_flight(launch_mps, kDefaultGravity_mps2, 2000, deceleration);
 }
 Bounce in_air(const Ball& ball, double launch_mps) {
   return integrated(launch_mps, [&](double v) { return drag_rate_per_s(ball, {}, v) * v; });
@@ -30,28 +28,32 @@ TEST(Flight, WithDragIsThatOfTheIntegratedMotion) {
   for (const double kappa_per_m : {0.009, 0.13, 1.0})
     for (const double u : {0.1, 0.5, 3.0}) {
       const Bounce truth = integrated(u, [&](double v) { return kappa_per_m * v * v; });
-      const Flight flight = flight_with_drag(truth.duration_s, kG, kappa_per_m);
+      const Flight flight = flight_with_drag(truth.duration_s, kDefaultGravity_mps2, kappa_per_m);
       EXPECT_NEAR(flight.launch_mps / u, 1.0, 3e-7) << u;  // the last step's parabola: (1/2000)^2 of the drag's change
       EXPECT_NEAR(flight.landing_mps / truth.landing_mps, 1.0, 3e-7) << u;
       // down from the summit: the height goes as the square of the landing speed without drag
-      const double summit_m = std::log1p(kappa_per_m * u * u / kG) / (2.0 * kappa_per_m);
-      EXPECT_NEAR(fall_with_drag_mps(summit_m, kG, kappa_per_m) / truth.landing_mps, 1.0, 3e-7) << u;
+      const double summit_m = std::log1p(kappa_per_m * u * u / kDefaultGravity_mps2) / (2.0 * kappa_per_m);
+      EXPECT_NEAR(fall_with_drag_mps(summit_m, kDefaultGravity_mps2, kappa_per_m) / truth.landing_mps, 1.0, 3e-7) << u;
     }
 }
 
 TEST(Flight, FromAHeightHasASpeedThatGivesTheHeightBack) {
   for (const double kappa_per_m : {0.009, 0.13, 1.0})
     for (const double height_m : {0.05, 2.0})
-      EXPECT_NEAR(fall_height_m(fall_with_drag_mps(height_m, kG, kappa_per_m), kG, kappa_per_m) / height_m, 1.0,
+      EXPECT_NEAR(fall_height_m(fall_with_drag_mps(height_m, kDefaultGravity_mps2, kappa_per_m), kDefaultGravity_mps2,
+                                kappa_per_m) /
+                      height_m,
+                  1.0,
                   1e-13);  // rounding, of 1 - (v/v_t)^2 = .02 at least
-  EXPECT_EQ(fall_height_m(1.01 * std::sqrt(kG / 0.13), kG, 0.13), HUGE_VAL);  // beyond the limit speed
+  EXPECT_EQ(fall_height_m(1.01 * std::sqrt(kDefaultGravity_mps2 / 0.13), kDefaultGravity_mps2, 0.13),
+            HUGE_VAL);  // beyond the limit speed
 }
 
 TEST(Flight, WithoutAirIsTheParabola) {
-  EXPECT_EQ(flight_with_drag(0.2, kG, 0.0).launch_mps, 0.1 * kG);
-  EXPECT_NEAR(flight_with_drag(0.2, kG, 1e-9).landing_mps, 0.1 * kG, 1e-9);
-  EXPECT_EQ(fall_with_drag_mps(0.1, kG, 0.0), std::sqrt(0.2 * kG));
-  EXPECT_EQ(fall_height_m(2.0, kG, 0.0), 4.0 / (2.0 * kG));
+  EXPECT_EQ(flight_with_drag(0.2, kDefaultGravity_mps2, 0.0).launch_mps, 0.1 * kDefaultGravity_mps2);
+  EXPECT_NEAR(flight_with_drag(0.2, kDefaultGravity_mps2, 1e-9).landing_mps, 0.1 * kDefaultGravity_mps2, 1e-9);
+  EXPECT_EQ(fall_with_drag_mps(0.1, kDefaultGravity_mps2, 0.0), std::sqrt(0.2 * kDefaultGravity_mps2));
+  EXPECT_EQ(fall_height_m(2.0, kDefaultGravity_mps2, 0.0), 4.0 / (2.0 * kDefaultGravity_mps2));
 }
 
 TEST(Drag, IsThatOfTheStandardCurve) {
@@ -71,15 +73,15 @@ TEST(Drag, IsThatOfTheStandardCurve) {
 /// Impact times of a ball that bounces by the law in air, with contacts of Hertz' duration.
 Onsets times_of(const Ball& ball, const RestitutionLaw& law, bool drag, bool contact) {
   Onsets onsets;
-  double v = std::sqrt(2.0 * kG * 0.1), t = 0.1;
-  if (drag) v = fall_with_drag_mps(0.1, kG, drag_per_m(ball, {}, 0.85 * v));
+  double v = std::sqrt(2.0 * kDefaultGravity_mps2 * 0.1), t = 0.1;
+  if (drag) v = fall_with_drag_mps(0.1, kDefaultGravity_mps2, drag_per_m(ball, {}, 0.85 * v));
   for (int k = 0; k < 90 && v > 0.2; ++k) {
     Onset o;
     o.impact = k;
     o.t_s = t;
     onsets.push_back(o);
     const double u = v * restitution(law, v);
-    const Bounce flight = drag ? in_air(ball, u) : Bounce{2.0 * u / kG, u};
+    const Bounce flight = drag ? in_air(ball, u) : Bounce{2.0 * u / kDefaultGravity_mps2, u};
     t += flight.duration_s + (contact ? contact_duration(ball, kGlass)->at(v) : 0.0);
     v = flight.landing_mps;
   }

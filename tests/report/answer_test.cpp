@@ -30,12 +30,12 @@ Onsets dropped(double height_m, double eps, std::size_t n_impacts, double begin_
       {.height_m = height_m, .eps = [eps](int) { return eps; }, .n_impacts = n_impacts, .begin_s = begin_s});
 }
 
-RestitutionSamples samples_of(const Onsets& onsets) { return restitution_samples(onsets, no_air()).samples; }
+RestitutionSamples in_no_air(const Onsets& onsets) { return restitution_samples(onsets, no_air()).samples; }
 
 TEST(PlainAnswer, SaysEpsAtTheMiddleSpeedWhereItChangesAndWhatEnergyIsLost) {
   bouncelab::testing::SyntheticRun run;
   run.timing_sigma_s = 3e-6;
-  const RestitutionSamples samples = samples_of(bouncelab::testing::synthetic_onsets(run));
+  const RestitutionSamples samples = in_no_air(bouncelab::testing::synthetic_onsets(run));
   const auto result = fit_all(samples, {});
   const FitInWords words = in_words(result, samples);
   const PlainAnswer& answer = words.answer;
@@ -62,7 +62,7 @@ TEST(PlainAnswer, SaysEpsAtTheMiddleSpeedWhereItChangesAndWhatEnergyIsLost) {
 }
 
 TEST(PlainAnswer, SeesNoChangeWhereThereIsTooLittleForACurve) {
-  RestitutionSamples samples = samples_of(dropped(0.2, 0.8, 6, 2.0));  // four samples
+  RestitutionSamples samples = in_no_air(dropped(0.2, 0.8, 6, 2.0));  // four samples
   for (std::size_t k = 0; k < samples.size(); ++k) samples[k].eps += k % 2 == 0 ? 0.004 : -0.004;
   const PlainAnswer answer = told(samples).answer;
   ASSERT_TRUE(answer.at);
@@ -73,7 +73,7 @@ TEST(PlainAnswer, SeesNoChangeWhereThereIsTooLittleForACurve) {
 TEST(PlainAnswer, SaysWhatIsMissingWhereThereIsNothing) {
   EXPECT_THAT(told({}).answer.sentences.at(0), HasSubstr("ε is not known"));
   // one bounce: with the scatter that balls have
-  const PlainAnswer one = told(samples_of(dropped(0.2, 0.8, 3, 2.0))).answer;
+  const PlainAnswer one = told(in_no_air(dropped(0.2, 0.8, 3, 2.0))).answer;
   ASSERT_TRUE(one.at);
   EXPECT_TRUE(one.one_value);
   EXPECT_NEAR(one.at->eps.value, 0.8, 1e-9);
@@ -165,7 +165,7 @@ TEST(Causes, AreMostlyTheSpeedWhereTheLawFallsByMoreThanTheBouncesScatter) {
   bouncelab::testing::SyntheticRun run;  // eps falls by .007, the scatter at 0.6 m/s is .0008
   run.n_drops = 3;
   run.timing_sigma_s = 1e-6;
-  const FitInWords words = told(samples_of(bouncelab::testing::synthetic_onsets(run)));
+  const FitInWords words = told(in_no_air(bouncelab::testing::synthetic_onsets(run)));
   EXPECT_THAT(seen_causes(words), ::testing::ElementsAre("speed", "roughness"));
   EXPECT_THAT(words.causes[0].sentence, ::testing::StartsWith("Mostly the speed"));
   EXPECT_NEAR(words.causes[0].size.value_or(0.0), 0.006, 0.002);  // over the nodes, which lie within the speeds

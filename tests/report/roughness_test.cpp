@@ -128,8 +128,9 @@ TEST(MemoryOfFitAll, GivesAnswerQuestionsAndDemCodesOneSetOfNumbers) {
     const bool is_dependence = f.question == "How does ε depend on speed?";
     const bool is_comparison = f.question == "Do the fluctuations remember?";
     for (std::size_t k = 0; k < memory.nodes.size(); ++k) {
-      if (is_dependence)
+      if (is_dependence) {
         EXPECT_THAT(f.answer, ::testing::HasSubstr(fit::in_words(memory.nodes[k].eps.value, memory.nodes[k].eps.se)));
+      }
       const std::string independent = fit::in_words(result.law.nodes[k].eps.value, result.law.nodes[k].eps.se);
       if (is_comparison)
         EXPECT_THAT(f.answer, ::testing::ContainsRegex("impacts taken as independent give.*" + independent));

@@ -17,7 +17,7 @@ namespace bouncelab::synthesis {
 namespace {
 
 using Complex = std::complex<double>;
-constexpr double kRate_hz = 96000.0;
+constexpr double kBankRate_hz = 96000.0;
 
 TEST(HertzPulse, HasUnitImpulseAndStartsLikeThreeHalves) {
   const QuadratureRule rule = gauss_legendre(400, 0.0, 1.0);
@@ -92,7 +92,7 @@ double brute_force(const ConverterFilter& filter, Complex pole, Complex amplitud
         g += pulse.weights[q] *
              at(filter, rule.nodes[i] - contact.arrival_samples - contact.duration_samples * pulse.nodes[q]);
       sum += rule.weights[i] * contact.impulse * g *
-             (amplitude * std::exp(pole / kRate_hz * (frame - rule.nodes[i]))).real();
+             (amplitude * std::exp(pole / kBankRate_hz * (frame - rule.nodes[i]))).real();
     }
   }
   return sum;
@@ -104,7 +104,7 @@ TEST(ResonatorBank, AgreesWithBruteForceConvolution) {
                                    {-400.0, 2 * kPi * 38e3},
                                    {-3e4, 2 * kPi * 60e3},
                                    {-900.0, 0.0}};
-  const ResonatorBank bank(poles, kRate_hz);
+  const ResonatorBank bank(poles, kBankRate_hz);
   const ConverterFilter filter;
   const Contact contact{100.37, 3.1, 0.7};
   for (std::size_t p = 0; p < poles.size(); ++p) {
@@ -136,7 +136,7 @@ TEST(ResonatorBank, AgreesWithBruteForceConvolution) {
 }
 
 TEST(ResonatorBank, AdvancingIsRinging) {
-  const ResonatorBank bank({{-150.0, 2 * kPi * 1.1e3}, {-900.0, 0.0}}, kRate_hz);
+  const ResonatorBank bank({{-150.0, 2 * kPi * 1.1e3}, {-900.0, 0.0}}, kBankRate_hz);
   PoleValues rung(2), advanced(2);
   rung.set(0, {0.3, 0.4});
   rung.set(1, 0.5);
@@ -147,20 +147,20 @@ TEST(ResonatorBank, AdvancingIsRinging) {
   for (std::size_t p = 0; p < 2; ++p) EXPECT_LT(std::abs(rung[p] - advanced[p]), 1e-13);
   EXPECT_NEAR(out[0], 0.8, 1e-15);
   EXPECT_NEAR(out[639],
-              (Complex{0.3, 0.4} * std::exp(bank.poles_per_s()[0] * 639.0 / kRate_hz)).real() +
-                  0.5 * std::exp(-900.0 * 639.0 / kRate_hz),
+              (Complex{0.3, 0.4} * std::exp(bank.poles_per_s()[0] * 639.0 / kBankRate_hz)).real() +
+                  0.5 * std::exp(-900.0 * 639.0 / kBankRate_hz),
               1e-13);
 }
 
 TEST(WaveMeter, ClosedFormEqualsTheSumOverSamples) {
   const std::vector<Complex> poles{
       {-150.0, 2 * kPi * 1.1e3}, {-300.0, 2 * kPi * 17e3}, {-310.0, 2 * kPi * 17.2e3}, {-900.0, 0.0}};
-  const ResonatorBank bank(poles, kRate_hz);
+  const ResonatorBank bank(poles, kBankRate_hz);
   PoleValues amplitudes(poles.size());
   for (std::size_t p = 0; p < poles.size(); ++p) amplitudes.set(p, {0.1 * static_cast<double>(p), p == 3 ? 0.0 : 0.5});
   const Contact contact{100.37, 3.1, 0.7};
   const WaveMeasure measure =
-      WaveMeter(bank).measure(bank.wave(contact, amplitudes, true), {bank, FlickerFilter(0.0, kRate_hz)});
+      WaveMeter(bank).measure(bank.wave(contact, amplitudes, true), {bank, FlickerFilter(0.0, kBankRate_hz)});
 
   const ContactWave wave = bank.wave(contact, amplitudes, true);
   double energy = 0.0, peak = 0.0;
@@ -169,9 +169,9 @@ TEST(WaveMeter, ClosedFormEqualsTheSumOverSamples) {
   for (int n = 0; n < 20000; ++n) {
     double slope = 0.0, sample = 0.0;
     for (std::size_t p = 0; p < poles.size(); ++p) {
-      const Complex z = wave.ringing[p] * std::exp(poles[p] / kRate_hz * static_cast<double>(n));
+      const Complex z = wave.ringing[p] * std::exp(poles[p] / kBankRate_hz * static_cast<double>(n));
       sample += z.real();
-      slope += (z * poles[p] / kRate_hz).real();
+      slope += (z * poles[p] / kBankRate_hz).real();
     }
     energy += slope * slope;
     peak = std::max(peak, std::abs(sample));

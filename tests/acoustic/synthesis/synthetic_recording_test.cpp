@@ -243,14 +243,14 @@ TEST(Synthesis, AfterTheContactThereIsNothingButTheModesOfTheTable) {
 
 TEST(Synthesis, TheRoomsTailHasItsLevelAndDecay) {
   for (const double decay_60db_s : {0.02, 0.15, 0.6}) {
-    constexpr double kRate_hz = 48000.0;
-    const ReverberationTail tail({-15.0, decay_60db_s}, kRate_hz);
-    std::vector<double> x(static_cast<std::size_t>(3.0 * kRate_hz), 0.0);
+    constexpr double kWavRate_hz = 48000.0;
+    const ReverberationTail tail({-15.0, decay_60db_s}, kWavRate_hz);
+    std::vector<double> x(static_cast<std::size_t>(3.0 * kWavRate_hz), 0.0);
     x[0] = 1.0;
     tail.add_to(x);
     const auto energy_from = [&](double t_s) {
       double sum = 0.0;
-      for (auto k = static_cast<std::size_t>(t_s * kRate_hz); k < x.size(); ++k) sum += k == 0 ? 0.0 : x[k] * x[k];
+      for (auto k = static_cast<std::size_t>(t_s * kWavRate_hz); k < x.size(); ++k) sum += k == 0 ? 0.0 : x[k] * x[k];
       return 10.0 * std::log10(sum);
     };
     EXPECT_NEAR(energy_from(0.0), -15.0, 0.05);
