@@ -13,9 +13,12 @@ export class Settings {
     this.balls = [];
   }
 
-  /// The catalogue, once the worker knows it.
-  fill({balls, plates}) {
+  /// The catalogue, and limits of what may be told, once the worker knows it.
+  fill({balls, plates, limits}) {
     this.balls = balls;
+    Object.assign($('gravity'), {min: limits.gravity.least, max: limits.gravity.greatest});
+    $('gravity').value ||= limits.gravity.value;
+    Object.assign($('height'), {min: 100 * limits.drop_height.least, max: 100 * limits.drop_height.greatest});
     if ($('ball').length > 1) return;
     $('ball').append(...balls.map(option));
     $('plate').append(...plates.map(option));
@@ -37,16 +40,16 @@ export class Settings {
   }
 
   options() {
-    const gravity = this.number('gravity', 'Gravity', 0.001, 1000), options = {gravity};
+    const gravity = this.number('gravity', 'Gravity'), options = {gravity};
     const ball = $('ball').value;
-    if (ball) options.ball = this.isMaterial(ball) ? `${ball}:${this.number('diameter', 'The diameter', 0.1, 1000)}mm` : ball;
+    if (ball) options.ball = this.isMaterial(ball) ? `${ball}:${this.number('diameter', 'The diameter')}mm` : ball;
     if ($('plate').value) options.plate = $('plate').value;
-    if ($('height').value) options.drop_height_m = this.number('height', 'The drop height', 0.01, 1e5) / 100;
+    if ($('height').value) options.drop_height_m = this.number('height', 'The drop height') / 100;
     return options;
   }
-  number(id, what, least, most) {
-    const value = $(id).valueAsNumber;
-    if (!(value >= least && value <= most)) throw new Trouble(`${what} has to be a number from ${least} to ${most}.`);
-    return value;
+  number(id, what) {
+    const input = $(id);
+    if (!(input.value && input.checkValidity())) throw new Trouble(`${what} has to be a ${input.step === '1' ? 'whole ' : ''}number from ${input.min} to ${input.max}.`);
+    return input.valueAsNumber;
   }
 }

@@ -8,8 +8,8 @@ const kDiameter = '6mm';  // of the published experiment's ball
 const kMostRows = 100;
 
 export function simulateOptions(settings) {
-  return {drops: settings.number('simulate-drops', 'The number of drops', 1, 10), impacts: settings.number('simulate-impacts', 'The number of bounces', 5, 200), asperities: 20000, 'radius-law': $('simulate-surface').value,
-          seed: settings.number('simulate-seed', 'The number of the ball', 1, 999999), rate: 48000, 'snr-db': Number($('simulate-noise').value), ball: `${$('simulate-ball').value}:${kDiameter}`, plate: 'glass', drag: true};
+  return {drops: settings.number('simulate-drops', 'The number of drops'), impacts: settings.number('simulate-impacts', 'The number of bounces'), asperities: 20000, 'radius-law': $('simulate-surface').value,
+          seed: settings.number('simulate-seed', 'The number of the ball'), rate: 48000, 'snr-db': Number($('simulate-noise').value), ball: `${$('simulate-ball').value}:${kDiameter}`, plate: 'glass', drag: true};
 }
 
 /// The true time at the sensor of each impact with the mark found for it: the nearest, closer than half the way to the

@@ -15,6 +15,7 @@
 #include "analysis.hpp"
 #include "bouncelab/core/core.hpp"
 #include "bouncelab/core/error.hpp"
+#include "bouncelab/fit/restitution.hpp"
 #include "columns.hpp"
 #include "simulation.hpp"
 #include "stage_options/ball_choice.hpp"
@@ -97,7 +98,15 @@ val bound_version() {
   return guarded([] { return std::string(version()) + " (" + std::string(commit()) + ")"; });
 }
 val bound_balls() {
-  return guarded([] { return json_text(options::catalogue()); });
+  return guarded([] {
+    const fit::RestitutionConfig config;
+    Object limits;
+    for (const Member& m : members_of(&config))
+      limits.emplace_back(m.name, Object{{"least", m.least}, {"greatest", m.greatest}, {"value", m.get(&config)}});
+    Object found = options::catalogue();
+    found.emplace_back("limits", std::move(limits));
+    return json_text(found);
+  });
 }
 val bound_read_sound(const val& bytes, const std::string& name) {
   return guarded([&] {
