@@ -8,7 +8,6 @@
 
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/error.hpp"
-#include "bouncelab/core/parallel.hpp"
 #include "bouncelab/core/random.hpp"
 #include "bouncelab/fit/histogram_fit.hpp"
 #include "law/law_likelihood.hpp"

@@ -5,10 +5,8 @@
 
 #include "averaged/averaged_curve.hpp"
 #include "bouncelab/core/elementary.hpp"
-#include "bouncelab/core/parallel.hpp"
-#include "bouncelab/fit/memory_fit.hpp"
 #include "bouncelab/fit/usable_samples.hpp"
-#include "law/law_data.hpp"
+#include "law/law_model.hpp"
 #include "law/law_search.hpp"
 #include "restitution/air_and_contact.hpp"
 

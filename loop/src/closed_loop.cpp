@@ -4,10 +4,6 @@
 #include <algorithm>
 #include <chrono>
 #include <ctime>
-#include <functional>
-#include <optional>
-
-#include "bouncelab/core/parallel.hpp"
 
 namespace bouncelab::loop {
 namespace {

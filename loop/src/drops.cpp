@@ -8,7 +8,6 @@
 
 #include "bouncelab/audio/audio_writer.hpp"
 #include "bouncelab/core/error.hpp"
-#include "bouncelab/core/parallel.hpp"
 #include "bouncelab/detection/detect.hpp"
 
 namespace bouncelab::loop {

@@ -4,9 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <compare>
-#include <optional>
 #include <tuple>
-#include <utility>
 
 namespace bouncelab::loop {
 namespace {

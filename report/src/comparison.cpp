@@ -3,8 +3,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "bouncelab/core/text.hpp"
+#include "words.hpp"
 
 namespace bouncelab::report {
+
 using namespace fit;
 
 namespace {
@@ -105,6 +112,159 @@ std::string points_json(const BetweenRecordings& between, const std::vector<Camp
                           {"offset", offset},
                           {"standardised", standardised},
                           {"outlier", outlier}});
+}
+
+namespace {
+
+constexpr double kUnlikely = 0.05;
+/// That the errors of 40 samples are estimates makes 1.06 of chi2/ndf, which thousands of recordings resolve.
+constexpr double kMoreThanErrorsOfErrors = 1.2;
+
+std::string n_recordings(std::size_t n) { return std::to_string(n) + (n == 1 ? " recording" : " recordings"); }
+
+std::string p_in_words(double p) { return p < 0.0001 ? "p < 0.0001" : formatted("p = %.2g", p); }
+
+std::string of_tau(const BetweenRecordings& between) {
+  const StandardDeviation& tau = between.tau;
+  if (tau.value > 0.0 && tau.ci95.lo > 0.0)
+    return formatted(
+        "From recording to recording ε differs by %.2g (standard deviation; 95 %%: %.2g to %.2g) beyond the "
+        "recordings' own errors.",
+        tau.value, tau.ci95.lo, tau.ci95.hi);
+  return formatted(
+      "That ε differs from recording to recording beyond their own errors is not seen: the standard "
+      "deviation is at most %.2g (95 %%).",
+      tau.ci95.hi);
+}
+
+std::string of_drift(const BetweenRecordings& between) {
+  if (!between.drift) return "A drift cannot be seen: there is one date only.";
+  const Drift& drift = *between.drift;
+  const std::string unit = drift.by_date ? "day" : "recording";
+  const double length = drift.end - drift.begin;
+  const std::string slope = formatted(
+      "%s a %s, %+.2g over %.*f %ss; %s", fit::in_words(drift.slope.value, drift.slope.se).c_str(), unit.c_str(),
+      drift.slope.value * length, length < 10.0 ? 1 : 0, length, unit.c_str(), p_in_words(drift.p_value).c_str());
+  if (drift.p_value < kUnlikely)
+    return (drift.slope.value > 0.0 ? "ε rises over the campaign: " : "ε falls over the campaign: ") + slope + ".";
+  return "There is no drift to be seen: " + slope + ".";
+}
+
+/// The outliers, furthest first.
+std::vector<std::size_t> outliers_of(const BetweenRecordings& between) {
+  std::vector<std::size_t> outliers;
+  for (std::size_t k = 0; k < between.rows.size(); ++k)
+    if (between.rows[k].is_outlier) outliers.push_back(k);
+  std::stable_sort(outliers.begin(), outliers.end(), [&](std::size_t a, std::size_t b) {
+    return std::abs(between.rows[a].standardised) > std::abs(between.rows[b].standardised);
+  });
+  return outliers;
+}
+
+std::string of_outliers(const BetweenRecordings& between, const std::vector<CampaignRecording>& recordings) {
+  constexpr std::size_t kMostNamed = 5;
+  const std::vector<std::size_t> outliers = outliers_of(between);
+  if (outliers.empty()) return "No recording is off the others by more than can be expected of so many.";
+  std::string text = n_recordings(outliers.size()) + (outliers.size() == 1 ? " is" : " are") +
+                     " off the others by more than can be expected of so many, and left out of the pooled law: ";
+  for (std::size_t k = 0; k < std::min(outliers.size(), kMostNamed); ++k) {
+    const RecordingRow& row = between.rows[outliers[k]];
+    text += (k > 0 ? ", " : "") + printable(recordings[outliers[k]].summary.recording) +
+            formatted(" (ε = %.5f, %+.1f standard deviations)", row.eps, row.standardised);
+  }
+  if (outliers.size() > kMostNamed) text += " and " + std::to_string(outliers.size() - kMostNamed) + " more";
+  return text + ".";
+}
+
+std::string of_groups(const Grouping& grouping, const char* name) {
+  if (!grouping.deviation) return {};
+  const StandardDeviation& sd = *grouping.deviation;
+  if (!(sd.value > 0.0))
+    return formatted("That ε differs from %s to %s is not seen: the standard deviation is at most %.2g (95 %%).", name,
+                     name, sd.ci95.hi);
+  return formatted("From %s to %s ε differs by %.2g (standard deviation; 95 %%: %.2g to %.2g).", name, name, sd.value,
+                   sd.ci95.lo, sd.ci95.hi);
+}
+
+/// Of few plates the one that is furthest off the mean.
+std::string of_few_plates(const Grouping& plates) {
+  if (plates.effect != GroupEffect::fixed || plates.rows.empty()) return {};
+  const auto [least, greatest] = std::minmax_element(
+      plates.rows.begin(), plates.rows.end(), [](const GroupRow& a, const GroupRow& b) { return a.offset < b.offset; });
+  const double difference = greatest->offset - least->offset;
+  const double se = std::sqrt(greatest->se * greatest->se + least->se * least->se);
+  return formatted("Plate %s has the greatest ε and %s the least: a difference of %s.",
+                   printable(greatest->name).c_str(), printable(least->name).c_str(),
+                   fit::in_words(difference, se).c_str());
+}
+
+/// "on average, from 0.018 at 0.2 m/s to 0.030 at 1 m/s" where a difference changes with the speed; empty where it is
+/// not seen to.
+std::string with_the_speed(const std::vector<NodeEstimate>& nodes, double sign) {
+  if (nodes.size() < 2) return "";
+  const NodeEstimate &slow = nodes.front(), &fast = nodes.back();
+  const double se = std::hypot(slow.eps.se.value_or(0.0), fast.eps.se.value_or(0.0));
+  if (std::abs(fast.eps.value - slow.eps.value) < 2.0 * se) return "";
+  return formatted(" on average, from %.2g at %.2g m/s to %.2g at %.2g m/s", sign * slow.eps.value, slow.v_mps,
+                   sign * fast.eps.value, fast.v_mps);
+}
+
+/// "glass and wood differ by more than drops of one plate do: ..."
+std::string of_difference(const GroupDifference& row, GroupUnit unit, bool are_plates) {
+  const std::string &a = row.reference, &b = row.group;
+  const bool is_greater = row.offset.value > 0.0;
+  Estimate size = row.offset;
+  size.value = std::abs(size.value);
+  if (!is_greater) size.ci95 = {-row.offset.ci95->hi, -row.offset.ci95->lo};
+  const std::string higher = "ε of " + printable(is_greater ? b : a) + " is " + fit::in_words(size.value, size.se) +
+                             " (95 %: " + interval_in_words(size) + ") above that of " + printable(is_greater ? a : b) +
+                             with_the_speed(row.nodes, is_greater ? 1.0 : -1.0);
+  const std::string of_one = std::string(to_string(unit)) + (are_plates ? " of one plate" : " of one recording");
+  if (!row.p_value)
+    return higher + ". Whether " + of_one +
+           " differ as much is not known: there is one each; drop the ball several "
+           "times on each.";
+  if (*row.p_value < kUnlikely)
+    return printable(a) + " and " + printable(b) + " differ by more than " + of_one + " do (" +
+           p_in_words(*row.p_value) + "): " + higher + ".";
+  return "That " + printable(a) + " and " + printable(b) + " differ by more than " + of_one + " do is not seen (" +
+         p_in_words(*row.p_value) + "): " + higher +
+         formatted("; a difference of %.2g would be seen in four of five such experiments.", row.detectable);
+}
+
+}  // namespace
+
+std::vector<std::string> in_words(const BetweenRecordings& between, const std::vector<CampaignRecording>& recordings,
+                                  const std::optional<GroupDifferences>& differences) {
+  std::vector<std::string> sentences;
+  if (differences) {
+    const bool are_plates = std::any_of(recordings.begin(), recordings.end(),
+                                        [](const CampaignRecording& r) { return !r.origin.plate.empty(); });
+    for (const GroupDifference& row : differences->rows)
+      sentences.push_back(of_difference(row, differences->unit, are_plates));
+    if (!differences->message.empty()) sentences.push_back("No difference is stated: " + differences->message + ".");
+  }
+  if (between.status != FitStatus::ok) return sentences.empty() ? std::vector{between.message + "."} : sentences;
+  sentences.push_back(formatted("ε = %s at %.2g m/s over %s; one more recording would have %.5f to %.5f (95 %%).",
+                                fit::in_words(between.eps.value, between.eps.se).c_str(), between.v_mps,
+                                n_recordings(between.n_used - between.n_outliers).c_str(), between.prediction95.lo,
+                                between.prediction95.hi));
+  sentences.push_back(of_tau(between));
+  sentences.push_back(of_drift(between));
+  sentences.push_back(of_outliers(between, recordings));
+  for (std::string sentence : {differences ? std::string() : of_few_plates(between.plates),
+                               of_groups(between.plates, "plate"), of_groups(between.days, "day")})
+    if (!sentence.empty()) sentences.push_back(std::move(sentence));
+  if (between.shapes.ndf > 0.0 && between.shapes.p_value < 0.001 &&
+      between.shapes.chi2 > kMoreThanErrorsOfErrors * between.shapes.ndf)
+    sentences.push_back(
+        formatted("The recordings differ also in how ε goes with speed (χ²/ndf = %.3g/%.0f): errors of "
+                  "that are widened by it.",
+                  between.shapes.chi2, between.shapes.ndf));
+  if (between.n_used < between.n_recordings)
+    sentences.push_back(n_recordings(between.n_recordings - between.n_used) +
+                        " could not be used; the table says why.");
+  return sentences;
 }
 
 }  // namespace bouncelab::report

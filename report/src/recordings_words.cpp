@@ -3,7 +3,6 @@
 #include "bouncelab/report/answer.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 
 #include "bouncelab/core/text.hpp"

@@ -15,8 +15,8 @@
 #include "bouncelab/core/parallel.hpp"
 #include "bouncelab/core/table.hpp"
 #include "bouncelab/fit/fit.hpp"
-#include "law/law_data.hpp"
 #include "law/law_likelihood.hpp"
+#include "law/law_model.hpp"
 #include "law/law_search.hpp"
 #include "law/normal_laplace.hpp"
 

@@ -10,7 +10,7 @@
 
 #include "bouncelab/core/error.hpp"
 #include "candidates/candidate_model.hpp"
-#include "channel_model.hpp"
+#include "channel_tracks.hpp"
 #include "contact/contact_model.hpp"
 #include "delay/delay_model.hpp"
 #include "drops/drops_model.hpp"

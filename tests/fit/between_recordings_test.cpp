@@ -13,7 +13,6 @@
 
 #include "between/design.hpp"
 #include "between/offset_model.hpp"
-#include "between/variance_components.hpp"
 #include "bouncelab/core/parallel.hpp"
 #include "bouncelab/core/random.hpp"
 #include "bouncelab/core/restitution_law.hpp"

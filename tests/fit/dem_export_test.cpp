@@ -10,7 +10,7 @@
 #include <string>
 
 #include "bouncelab/core/restitution_law.hpp"
-#include "dem/contact.hpp"
+#include "dem/decks.hpp"
 #include "synthetic_samples.hpp"
 
 namespace bouncelab::fit {

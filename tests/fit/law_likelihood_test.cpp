@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "bouncelab/core/random.hpp"
-#include "law/law_data.hpp"
+#include "law/law_model.hpp"
 
 namespace bouncelab::fit {
 namespace {

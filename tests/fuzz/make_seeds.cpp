@@ -19,7 +19,7 @@
 #include "bouncelab/core/samples.hpp"
 #include "bouncelab/core/table.hpp"
 #include "bouncelab/sim/surface.hpp"
-#include "stages/files/json_lines_table.hpp"
+#include "stages/files/table_reader.hpp"
 
 namespace {
 using namespace bouncelab;

@@ -13,7 +13,6 @@
 #include <filesystem>
 #include <iostream>
 #include <new>
-#include <sstream>
 #include <string>
 #include <string_view>
 #include <vector>

@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <optional>
 #include <string>
 #include <vector>
 
-#include "stage_options/ball_choice.hpp"
-#include "stage_options/restitution_options.hpp"
+#include "stage_options/options.hpp"
 #include "stages/run.hpp"
 
 namespace bouncelab::stages {

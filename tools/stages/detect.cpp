@@ -15,9 +15,9 @@
 #include "bouncelab/core/table.hpp"
 #include "bouncelab/core/text.hpp"
 #include "bouncelab/report/detection.hpp"
-#include "stages/files/label_track.hpp"
+#include "stages/files/foreign_files.hpp"
 #include "stages/files/provenance.hpp"
-#include "stages/files/several_files.hpp"
+#include "stages/files/sample_files.hpp"
 #include "stages/files/table_file.hpp"
 #include "stages/progress_line.hpp"
 

@@ -2,22 +2,133 @@
 #include "stages/fit.hpp"
 
 #include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <memory>
+#include <optional>
+#include <utility>
 
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/files.hpp"
+#include "bouncelab/core/numerics.hpp"
+#include "bouncelab/core/parallel.hpp"
 #include "bouncelab/core/text.hpp"
-#include "bouncelab/fit/memory_fit.hpp"
-#include "bouncelab/report/answer.hpp"
+#include "bouncelab/report/detection.hpp"
+#include "stages/files/foreign_files.hpp"
 #include "stages/files/provenance.hpp"
 #include "stages/files/sample_files.hpp"
 #include "stages/files/table_file.hpp"
 #include "stages/progress_line.hpp"
 
 namespace bouncelab::stages {
+namespace {
+
+std::string counted(std::size_t n, std::string_view noun) { return fmt::format("{} {}{}", n, noun, n == 1 ? "" : "s"); }
+
+/// What was counted, for people: one line.
+std::string describe(const fit::RestitutionCounts& counts) {
+  std::string line =
+      fmt::format("{} coefficient{} of restitution from {} of {}", counts.n_samples, counts.n_samples == 1 ? "" : "s",
+                  counted(counts.n_onsets, "onset"), counted(counts.n_drops, "drop"));
+  if (counts.rms_shift_travel_time)
+    line += fmt::format("; corrected for travel time, eps by {:.2g} rms", *counts.rms_shift_travel_time);
+  for (const auto& [reason, n] : counts.breaks)
+    line += fmt::format("; chain broken {}: {}", counted(n, "time"), name_of(reason));
+  if (counts.n_flagged > 0)
+    line += fmt::format("; {} flagged, left out by the fit", counted(counts.n_flagged, "sample"));
+  return line;
+}
+
+/// Onsets -> samples, in pieces from file to file.
+fit::RestitutionCounts restitution_of_files(const std::vector<std::filesystem::path>& files,
+                                            const fit::RestitutionConfig& config, const ForeignFileOptions& foreign,
+                                            TableWriter& samples, std::vector<std::string>& taken_for,
+                                            std::vector<std::string>& warnings) {
+  fit::RestitutionInPieces restitution(config);
+  std::vector<double> eps;  // 8 bytes each, for the median
+  const auto write = [&](const RestitutionSamples& rows) {
+    samples.add(to_table(rows));
+    for (const RestitutionSample& s : rows)
+      if (s.flags.empty()) eps.push_back(s.eps);
+  };
+  RecordingNames names;
+  for (const std::filesystem::path& file : files) {
+    names.begin(file);
+    const std::unique_ptr<TableReader> reader = open_onsets(file, foreign, taken_for);
+    std::optional<Onset> before;
+    DropsInTurn drops;
+    for (bool at_end = false; !at_end;) {
+      throw_if_stop_requested();
+      const Table table = reader->next(kPiece_rows);
+      at_end = table.n_rows() < kPiece_rows;
+      drops.check(table, input_name(file));
+      Onsets rows = onsets_from_table(table, input_name(file), before ? &*before : nullptr);
+      if (!rows.empty()) before = rows.back();
+      if (files.size() > 1)
+        for (Onset& onset : rows) onset.recording = names.name(onset.recording);
+      write(restitution.add(std::move(rows)));
+    }
+    names.end(warnings);
+  }
+  write(restitution.finish());
+  fit::RestitutionCounts counts = restitution.counts();
+  if (!eps.empty()) counts.eps_median = median(std::move(eps));
+  return counts;
+}
+
+}  // namespace
+
+fit::RestitutionConfig restitution_config(const RestitutionOptions& options) {
+  fit::RestitutionConfig config = with_ball(options);
+  if (options.positions.empty()) return config;
+  const Table positions = read_table(options.positions, fit::position_columns());
+  check_columns(positions, fit::position_columns(), options.positions);
+  config.travel_time =
+      fit::travel_time_from_table(positions, config.wave_speed_mps, options.sensor_m[0], options.sensor_m[1]);
+  return config;
+}
+
+std::string text_of(const fit::RestitutionCounts& counts, const fit::RestitutionConfig& config) {
+  return describe(counts) + "\n" +
+         (config.ball ? "ball: " + bouncelab::describe(*config.ball) +
+                            (config.plate ? " on " + plate_text(*config.plate) : std::string()) + "\n"
+                      : std::string());
+}
+
+Object summary_of(const fit::RestitutionCounts& counts, const fit::RestitutionConfig& config) {
+  Object summary = object_of(counts);
+  summary.emplace_back("ball", value_of(config.ball));
+  summary.emplace_back("plate", value_of(config.plate));
+  return summary;
+}
+
+Stage<fit::RestitutionCounts> run_restitution(const RestitutionOptions& options, const Run& run) {
+  std::vector<std::filesystem::path> inputs(options.onsets.begin(), options.onsets.end());
+  inputs.emplace_back(options.positions);
+  check_files(run, with_onsets_beside(inputs), {options.out});
+  const fit::RestitutionConfig config = restitution_config(options);
+  Stage<fit::RestitutionCounts> stage;
+  Outcome& outcome = stage.outcome;
+  inputs.pop_back();
+  inputs = each_once(inputs, run.common.n_threads, "onsets", outcome.warnings);
+  TableWriter samples(run, options.out);
+  std::vector<std::string> taken_for;
+  const fit::RestitutionCounts& counts = stage.result =
+      restitution_of_files(inputs, config, options.foreign, samples, taken_for, outcome.warnings);
+  inputs = with_onsets_beside(std::move(inputs));
+  if (!options.positions.empty()) inputs.emplace_back(options.positions);
+  outcome.text = lines_of(taken_for) + text_of(counts, config);
+  outcome.warnings = joined(outcome.warnings, report::warnings_of(counts, config));
+  outcome.result = summary_of(counts, config);
+  samples.finish(inputs);
+  if (counts.n_samples == 0) {
+    outcome.exit_code = kNotUsable;
+    outcome.error = input_name(options.onsets.front()) + ": no three successive impacts: no coefficient of restitution";
+  }
+  return stage;
+}
+
 namespace {
 
 std::string with_error(const fit::Estimate& e) {
@@ -177,6 +288,58 @@ Stage<fit::FitResult> run_fit(const FitOptions& options, const Run& run) {
   outcome.result = all;
   outcome.warnings = joined(warnings, outcome.warnings);
   return {std::move(outcome), std::move(result)};
+}
+
+namespace {
+
+std::string describe(const fit::RoughnessResult& result) {
+  const fit::MemoryFit& memory = result.memory;
+  std::string text = fmt::format("{} impacts of {} drops used\n", memory.n, memory.n_drops);
+  if (memory.status != fit::FitStatus::ok) return text;
+  const fit::Roughness& r = memory.roughness;
+  if (memory.holds) text += report::in_words(memory) + "\n";
+  text += report::in_words(r) + "\n";
+  text += fmt::format(
+      "variance s2 of each component of the contact's offset over the ball's radius, J = {:.4g} m R^2 ({}): {:.3g} "
+      "without slip, {:.3g} without friction\n",
+      r.inertia_factor, memory.ball ? to_text(*memory.ball) : "a solid sphere; no ball was named", r.s2_no_slip,
+      r.s2_frictionless);
+  text += fmt::format(
+      "surfaces that scatter the same, without slip: {:.3g} asperities of one radius; or asperities all over whose "
+      "radii are exponential, of mean {:.3g} R; or 1e6 of them with radii uniform over a width of {:.3g} R\n",
+      r.n_constant_radii, r.lambda_exponential, r.width_uniform_1e6);
+  return text +
+         "not to be known from the scatter: which of these surfaces it is, the number of asperities, their radii, and "
+         "whether contacts slip\n";
+}
+
+}  // namespace
+
+Outcome run_roughness(const RoughnessOptions& options, const Run& run) {
+  const std::vector<std::filesystem::path> files(options.samples.begin(), options.samples.end());
+  check_files(run, files, {options.out});
+  Outcome outcome;
+  std::vector<std::string> taken_for;
+  RestitutionSamples samples = read_sample_files(files, run.common.n_threads, {}, taken_for, outcome.warnings);
+  name_ball(samples, ball_of(options.world), plate_of(options.world));
+  fit::RoughnessConfig config = options.config;
+  config.seed = run.common.seed;
+  config.n_threads = run.common.n_threads;
+  const fit::RoughnessResult result = fit::measure_roughness(samples, config);
+  const std::vector<std::string> warnings = report::warnings_of(result, samples);
+  outcome.result = report::object_of(result, warnings);
+  if (!options.out.empty()) write_text(run, options.out, json_text(outcome.result, 1) + "\n", files);
+  outcome.text = describe(result);
+  outcome.warnings = joined(outcome.warnings, warnings);
+  if (!result.memory.holds) {
+    outcome.exit_code = kNotUsable;
+    outcome.error =
+        input_name(files.front()) + more_files(files.size()) + ": " +
+        (result.memory.status == fit::FitStatus::ok ? "not the scatter of a rough ball, so that q means nothing: "
+                                                    : "roughness cannot be known: ") +
+        result.memory.message;
+  }
+  return outcome;
 }
 
 }  // namespace bouncelab::stages

@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <filesystem>
 
 #include "bouncelab/core/core.hpp"
@@ -20,8 +19,6 @@
 #include "stages/loop_results.hpp"
 #include "stages/progress_line.hpp"
 #include "stages/report.hpp"
-#include "stages/restitution.hpp"
-#include "stages/stage_clock.hpp"
 
 namespace bouncelab::stages {
 namespace {

@@ -7,7 +7,6 @@
 #include "bouncelab/loop/closed_loop.hpp"
 #include "stages/run.hpp"
 #include "stages/simulate.hpp"
-#include "stages/synthesize.hpp"
 
 namespace bouncelab::stages {
 

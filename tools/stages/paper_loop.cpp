@@ -13,7 +13,6 @@
 #include "stages/loop_results.hpp"
 #include "stages/progress_line.hpp"
 #include "stages/report.hpp"
-#include "stages/stage_clock.hpp"
 
 namespace bouncelab::stages {
 namespace {

@@ -5,15 +5,11 @@
 #include <unistd.h>
 
 #include <atomic>
-#include <chrono>
 #include <cmath>
 #include <csignal>
 #include <cstdint>
 #include <cstdio>
-#include <ctime>
 #include <memory>
-
-#include "bouncelab/core/parallel.hpp"
 
 namespace bouncelab::stages {
 namespace {

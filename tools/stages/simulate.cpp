@@ -4,8 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <filesystem>
-#include <optional>
 
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/files.hpp"

@@ -9,7 +9,8 @@
 #include "bouncelab/sim/energy.hpp"
 #include "bouncelab/sim/experiment.hpp"
 #include "bouncelab/sim/surface.hpp"
-#include "stage_options/simulate_options.hpp"
+#include "stage_options/options.hpp"
+#include "stages/ball_of_files.hpp"
 #include "stages/run.hpp"
 
 namespace bouncelab::stages {
@@ -32,5 +33,13 @@ Object summary_of(const sim::SimulationResult& result, const Ball& ball);
 /// Simulates and writes options.out (and options.write_surface where named).
 /// @param reservoirs  takes those after each impact, which the table of impacts has only with states; null: not wanted
 Outcome run_simulate(const SimulateOptions& options, const Run& run, std::vector<sim::Reservoir>* reservoirs = nullptr);
+
+/// Ball, drops, sound and disturbances of a run that simulates and synthesizes.
+std::vector<Section> scene_sections(BallChoice& world, SimulateOptions& simulate, SynthesizeOptions& synthesize);
+/// Option --codec, which needs files.
+Section codec_section(SynthesizeOptions& options, std::vector<std::string> stages = {});
+
+/// Reads options.impacts, writes options.out, the truth, and OUT.others.csv where there are sounds of other things.
+Outcome run_synthesize(const SynthesizeOptions& options, const Run& run);
 
 }  // namespace bouncelab::stages

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "stages/synthesize.hpp"
+#include "stages/simulate.hpp"
 
 #include <fmt/format.h>
 
@@ -10,10 +10,8 @@
 #include <filesystem>
 #include <memory>
 #include <span>
-#include <string>
 #include <string_view>
 #include <utility>
-#include <vector>
 
 #include "bouncelab/audio/audio_writer.hpp"
 #include "bouncelab/core/child_process.hpp"

@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <functional>
 #include <string>
 #include <vector>
 
 #include "bouncelab/core/onsets.hpp"
 #include "bouncelab/loop/detector_score.hpp"
-#include "stage_options/simulate_options.hpp"
-#include "stage_options/synthesize_options.hpp"
+#include "stage_options/options.hpp"
 #include "stages/run.hpp"
 
 namespace bouncelab::stages {

@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "bouncelab/core/elementary.hpp"
-#include "channel_model.hpp"
 #include "tracking/tracking_model.hpp"
 #include "whitening/decimate.hpp"
 

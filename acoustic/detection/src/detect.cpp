@@ -3,21 +3,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
-#include <filesystem>
 #include <mutex>
 #include <numeric>
-#include <optional>
 #include <system_error>
 #include <utility>
 
 #include "bouncelab/audio/audio_reader.hpp"
 #include "bouncelab/core/child_process.hpp"
-#include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/files.hpp"
 #include "bouncelab/core/numerics.hpp"
-#include "bouncelab/core/parallel.hpp"
 #include "bouncelab/core/text.hpp"
 #include "channel_tracks.hpp"
 #include "drops/recording_timer.hpp"

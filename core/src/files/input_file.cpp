@@ -13,7 +13,6 @@
 #include <mutex>
 #include <string>
 #include <system_error>
-#include <utility>
 #include <vector>
 
 #include "bouncelab/core/error.hpp"
@@ -112,21 +111,17 @@ constexpr std::int64_t kWindow = 1 << 18;  // stays in the cache between the sys
 
 struct FileBytes::State {
   std::string name;
-  int descriptor = -1;
+  Descriptor file;
   std::int64_t size = 0;
   std::int64_t first = 0;  // of the window
   std::vector<unsigned char> window;
-
-  ~State() {
-    if (descriptor >= 0) close(descriptor);
-  }
 
   void open_window(std::int64_t from, std::int64_t n_wanted) {
     const std::int64_t n = std::min(size - from, std::max(n_wanted, kWindow));
     window.resize(static_cast<std::size_t>(n));
     first = from;
     for (std::int64_t at = 0; at < n;) {
-      const ssize_t got = pread(descriptor, window.data() + at, static_cast<std::size_t>(n - at), from + at);
+      const ssize_t got = pread(file.get(), window.data() + at, static_cast<std::size_t>(n - at), from + at);
       if (got < 0 && errno == EINTR) continue;
       if (got <= 0) {
         window.resize(static_cast<std::size_t>(at));
@@ -142,9 +137,9 @@ struct FileBytes::State {
 
 FileBytes::FileBytes(const std::filesystem::path& path) : state_(std::make_unique<State>()) {
   state_->name = input_name(path);
-  state_->descriptor = open(readable(path).c_str(), O_RDONLY | O_CLOEXEC);
+  state_->file = Descriptor(open(readable(path).c_str(), O_RDONLY | O_CLOEXEC));
   struct stat status {};
-  if (state_->descriptor < 0 || fstat(state_->descriptor, &status) != 0)
+  if (!state_->file.is_open() || fstat(state_->file.get(), &status) != 0)
     throw FileError(state_->name, "cannot be opened for reading: " + std::string(std::strerror(errno)));
   state_->size = status.st_size;
 }

@@ -5,11 +5,14 @@
 #include <gsl/gsl_roots.h>
 #include <gsl/gsl_sf_bessel.h>
 
+#include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <limits>
 #include <memory>
 #include <new>
 #include <string>
+#include <utility>
 
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/error.hpp"
@@ -90,6 +93,33 @@ double root_between(const std::function<double(double)>& f, double lo, double hi
     if (gsl_root_test_interval(left, right, 0.0, 2.0 * std::numeric_limits<double>::epsilon()) == GSL_SUCCESS) break;
   }
   return gsl_root_fsolver_root(solver.get());
+}
+
+double order_statistic(std::vector<double> values, std::size_t rank) {
+  assert(rank < values.size());
+  const auto at = values.begin() + static_cast<std::ptrdiff_t>(rank);
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+double median(std::vector<double> values) {
+  assert(!values.empty());
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return values.size() % 2 == 1 ? *middle : 0.5 * (*middle + *std::max_element(values.begin(), middle));
+}
+
+double upper_median(std::vector<double> values) {
+  const std::size_t middle = values.size() / 2;
+  return order_statistic(std::move(values), middle);
+}
+
+double quantile(std::span<const double> sorted, double p) {
+  assert(!sorted.empty() && p >= 0.0 && p <= 1.0);
+  const double at = p * (static_cast<double>(sorted.size()) - 1.0);
+  const auto k = static_cast<std::size_t>(at);
+  const double rest = at - static_cast<double>(k);
+  return k + 1 < sorted.size() ? sorted[k] + rest * (sorted[k + 1] - sorted[k]) : sorted[k];
 }
 
 }  // namespace bouncelab

@@ -6,9 +6,6 @@
 #include <cmath>
 #include <cstddef>
 #include <numbers>
-#include <vector>
-
-#include "bouncelab/core/elementary.hpp"
 
 namespace bouncelab {
 

@@ -8,7 +8,6 @@
 
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/error.hpp"
-#include "bouncelab/core/table.hpp"
 #include "bouncelab/core/text.hpp"
 
 namespace bouncelab {

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <map>
 #include <tuple>
-#include <vector>
 
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/text.hpp"

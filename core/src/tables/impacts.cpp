@@ -2,7 +2,6 @@
 #include "bouncelab/core/impacts.hpp"
 
 #include <cmath>
-#include <string>
 
 #include "bouncelab/core/error.hpp"
 

@@ -5,7 +5,6 @@
 #include <cassert>
 #include <cmath>
 #include <span>
-#include <utility>
 
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/text.hpp"

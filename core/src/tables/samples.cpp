@@ -5,9 +5,7 @@
 #include <cmath>
 #include <iterator>
 
-#include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/error.hpp"
-#include "bouncelab/core/onsets.hpp"
 #include "bouncelab/core/text.hpp"
 
 namespace bouncelab {

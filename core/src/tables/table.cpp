@@ -2,10 +2,8 @@
 #include "bouncelab/core/table.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "bouncelab/core/error.hpp"
-#include "bouncelab/core/text.hpp"
 
 namespace bouncelab {
 namespace {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <string_view>
+#include <nlohmann/json.hpp>
 
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/text.hpp"
@@ -204,6 +204,41 @@ std::string option_name(const Member& member) {
   std::string name(member.name);
   std::replace(name.begin(), name.end(), '_', '-');
   return name;
+}
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json json_of(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
+
+Json json_of(const Value& value) {
+  return std::visit(
+      [](const auto& x) -> Json {
+        using T = std::remove_cvref_t<decltype(x)>;
+        if constexpr (std::is_same_v<T, std::monostate>) {
+          return nullptr;
+        } else if constexpr (std::is_same_v<T, double>) {
+          return json_of(x);
+        } else if constexpr (std::is_same_v<T, std::vector<double>> || std::is_same_v<T, Values>) {
+          Json all = Json::array();
+          for (const auto& element : x) all.push_back(json_of(element));
+          return all;
+        } else if constexpr (std::is_same_v<T, Object>) {
+          Json all = Json::object();
+          for (const auto& [name, element] : x) all[name] = json_of(element);
+          return all;
+        } else {
+          return x;
+        }
+      },
+      value);
+}
+
+}  // namespace
+
+std::string json_text(const Value& value, int indent) {
+  return json_of(value).dump(indent, ' ', false, Json::error_handler_t::replace);
 }
 
 }  // namespace bouncelab

@@ -2,9 +2,6 @@
 #include "bouncelab/core/text.hpp"
 
 #include <algorithm>
-#include <cstddef>
-#include <cstdint>
-#include <vector>
 
 namespace bouncelab {
 namespace {

@@ -6,7 +6,6 @@
 #include <deque>
 #include <map>
 #include <numeric>
-#include <span>
 #include <utility>
 
 #include "averaged/axis.hpp"

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "bouncelab/fit/law_fit.hpp"
-#include "law/law_data.hpp"
 #include "law/law_model.hpp"
 
 namespace bouncelab::fit {

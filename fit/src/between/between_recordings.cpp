@@ -2,13 +2,12 @@
 #include "bouncelab/fit/between_recordings.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <span>
 #include <utility>
 
 #include "between/design.hpp"
-#include "between/variance_components.hpp"
+#include "between/offset_model.hpp"
 #include "bouncelab/core/elementary.hpp"
 #include "numerics/distributions.hpp"
 #include "numerics/linalg.hpp"

@@ -2,7 +2,6 @@
 #include "between/design.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <set>
 #include <utility>

@@ -4,11 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <span>
-#include <vector>
 
-#include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/numerics.hpp"
-#include "law/law_data.hpp"
+#include "law/law_model.hpp"
 #include "numerics/distributions.hpp"
 
 namespace bouncelab::fit {

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <span>
 #include <utility>
 
@@ -12,8 +11,8 @@
 #include "bouncelab/core/parallel.hpp"
 #include "bouncelab/core/text.hpp"
 #include "law/goodness.hpp"
-#include "law/law_data.hpp"
 #include "law/law_likelihood.hpp"
+#include "law/law_model.hpp"
 #include "law/law_search.hpp"
 #include "numerics/maximise.hpp"
 

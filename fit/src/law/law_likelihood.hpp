@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "bouncelab/core/parallel.hpp"
-#include "law/law_data.hpp"
+#include "law/law_model.hpp"
 #include "law/normal_laplace.hpp"
 
 namespace bouncelab::fit {

@@ -2,13 +2,12 @@
 #include "law/law_search.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <numbers>
 #include <utility>
 
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/numerics.hpp"
-#include "law/law_data.hpp"
+#include "law/law_model.hpp"
 #include "numerics/linalg.hpp"
 
 namespace bouncelab::fit {

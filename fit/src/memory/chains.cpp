@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/elementary.hpp"
 
 namespace bouncelab::fit {

@@ -2,20 +2,15 @@
 #include "bouncelab/fit/memory_fit.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <functional>
 #include <span>
-#include <string>
-#include <utility>
-#include <vector>
 
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/numerics.hpp"
 #include "law/law_search.hpp"
 #include "memory/memory_likelihood.hpp"
-#include "memory/memory_tests.hpp"
 #include "memory/posterior.hpp"
 #include "numerics/linalg.hpp"
 #include "numerics/maximise.hpp"

@@ -5,10 +5,7 @@
 #include <cmath>
 #include <iterator>
 #include <span>
-#include <string>
 
-#include "bouncelab/core/ball.hpp"
-#include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/numerics.hpp"
 #include "bouncelab/core/text.hpp"

@@ -3,14 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/parallel.hpp"
 #include "law/goodness.hpp"
-#include "law/law_data.hpp"
 #include "law/law_likelihood.hpp"
+#include "law/law_model.hpp"
 #include "numerics/distributions.hpp"
 #include "windows/window_fit.hpp"
 

@@ -6,10 +6,8 @@
 #include <limits>
 #include <sstream>
 
-#include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/error.hpp"
-#include "bouncelab/sim/vector3.hpp"
 
 namespace bouncelab::sim {
 namespace {

@@ -18,7 +18,6 @@
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/random.hpp"
 #include "flight/contact_search.hpp"
-#include "flight/path.hpp"
 
 namespace bouncelab::sim {
 namespace {

@@ -3,10 +3,8 @@
 
 #include <algorithm>
 #include <mutex>
-#include <span>
 #include <utility>
 
-#include "bouncelab/core/parallel.hpp"
 #include "envelope/arena.hpp"
 #include "envelope/cube_cell.hpp"
 #include "envelope/floor_map.hpp"

@@ -7,8 +7,6 @@
 #include <numeric>
 #include <utility>
 
-#include "envelope/cube_cell.hpp"
-
 namespace bouncelab::sim {
 namespace {
 

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <sstream>
 
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/error.hpp"

@@ -7,7 +7,6 @@
 #include <span>
 #include <string>
 #include <utility>
-#include <vector>
 
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/error.hpp"

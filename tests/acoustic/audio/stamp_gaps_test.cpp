@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Gaps between the time stamps of blocks: lost ones, jitter, rounding, overlaps, clocks that drift.
-#include "io/stamp_gaps.hpp"
+#include "io/coded_sound.hpp"
 
 #include <gtest/gtest.h>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "drops/clipping.hpp"
+#include "drops/drop_timer.hpp"
 
 #include <gtest/gtest.h>
 

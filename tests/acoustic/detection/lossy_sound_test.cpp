@@ -17,8 +17,8 @@
 #include "bouncelab/detection/detect.hpp"
 #include "support/modal_sound.hpp"
 #include "template/impact_template.hpp"
-#include "template/impact_whitener.hpp"
 #include "template/template_model.hpp"
+#include "template/template_search.hpp"
 #include "whitening/linear_prediction.hpp"
 #include "whitening/white_window.hpp"
 

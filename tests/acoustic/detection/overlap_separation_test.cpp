@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Impacts that follow so closely that each rings into the next ones.
-#include "drops/overlap_separation.hpp"
+#include "drops/drop_timer.hpp"
 
 #include <gtest/gtest.h>
 

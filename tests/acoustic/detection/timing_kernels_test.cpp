@@ -14,7 +14,6 @@
 #include "contact/pulse_spectrum.hpp"
 #include "support/direct_fourier.hpp"
 #include "support/modal_sound.hpp"
-#include "template/correlation_peaks.hpp"
 #include "template/subband_delay.hpp"
 #include "whitening/decimate.hpp"
 #include "whitening/linear_prediction.hpp"

@@ -11,7 +11,6 @@
 
 #include "bouncelab/audio/audio_reader.hpp"
 #include "bouncelab/core/random.hpp"
-#include "delay/missing_impacts.hpp"
 #include "support/modal_sound.hpp"
 #include "whitening/linear_prediction.hpp"
 

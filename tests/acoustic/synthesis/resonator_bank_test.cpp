@@ -10,7 +10,7 @@
 #include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/numerics.hpp"
-#include "excitation/cramer_rao.hpp"
+#include "excitation/point_response.hpp"
 #include "sensor/converter.hpp"
 
 namespace bouncelab::synthesis {

@@ -16,7 +16,7 @@
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/onsets.hpp"
 #include "few_impacts.hpp"
-#include "sensor/reverberation.hpp"
+#include "sensor/converter.hpp"
 #include "support/direct_fourier.hpp"
 
 namespace bouncelab::synthesis {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "stages/files/json_lines_table.hpp"
+#include "stages/files/table_reader.hpp"
 
 #include <limits>
 #include <sstream>

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "commands/analyze_command.hpp"
+#include "commands/commands.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <filesystem>
 #include <optional>
-#include <string>
 
 #include "bouncelab/core/child_process.hpp"
 #include "bouncelab/core/error.hpp"
@@ -15,9 +14,8 @@
 #include "bouncelab/core/text.hpp"
 #include "bouncelab/report/detection.hpp"
 #include "stages/files/foreign_files.hpp"
-#include "stages/files/label_track.hpp"
 #include "stages/files/provenance.hpp"
-#include "stages/files/several_files.hpp"
+#include "stages/files/sample_files.hpp"
 #include "stages/files/table_file.hpp"
 #include "stages/progress_line.hpp"
 #include "stages/report.hpp"

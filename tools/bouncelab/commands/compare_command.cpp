@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "commands/compare_command.hpp"
+#include "commands/commands.hpp"
 
 #include <fmt/format.h>
 
@@ -29,7 +29,6 @@
 #include "stages/detect.hpp"
 #include "stages/files/foreign_files.hpp"
 #include "stages/files/sample_files.hpp"
-#include "stages/files/several_files.hpp"
 #include "stages/files/table_file.hpp"
 #include "stages/progress_line.hpp"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "commands/convert_command.hpp"
+#include "commands/commands.hpp"
 
 #include <fmt/format.h>
 
@@ -17,7 +17,7 @@
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/files.hpp"
 #include "bouncelab/core/parallel.hpp"
-#include "stages/files/label_track.hpp"
+#include "stages/files/foreign_files.hpp"
 #include "stages/files/provenance.hpp"
 #include "stages/files/table_file.hpp"
 

@@ -6,21 +6,14 @@
 
 #include "bouncelab/core/impacts.hpp"
 #include "bouncelab/synthesis/synthetic_recording.hpp"
-#include "commands/analyze_command.hpp"
-#include "commands/beside_commands.hpp"
-#include "commands/compare_command.hpp"
-#include "commands/convert_command.hpp"
-#include "commands/dem_command.hpp"
+#include "commands/commands.hpp"
 #include "stages/ball_of_files.hpp"
 #include "stages/calibrate.hpp"
 #include "stages/detect.hpp"
 #include "stages/fit.hpp"
 #include "stages/loop.hpp"
 #include "stages/report.hpp"
-#include "stages/restitution.hpp"
-#include "stages/roughness.hpp"
 #include "stages/simulate.hpp"
-#include "stages/synthesize.hpp"
 #include "stages/validate.hpp"
 
 namespace bouncelab::cli {

@@ -64,17 +64,14 @@ stages::Given set_options(const Sections& sections, const Arguments& arguments) 
 }
 
 template <class Options>
-Parsed<Options> parse(const Arguments& arguments) {
-  Parsed<Options> parsed;
-  Sections sections = sections_of(parsed.options);
-  sections.push_back(stages::common_section(parsed.run.common));
-  parsed.run.given = set_options(sections, arguments);
-  parsed.run.common.quiet = true;
-  parsed.run.command_line = {"bouncelab (Python)"};
-  parsed.run.arguments = arguments;
-  parsed.run.parameters = stages::parameters_of(sections, parsed.run.given);
-  return parsed;
+void complete(const Options&, const stages::Run&) {}
+void complete(stages::SimulateOptions& options, stages::Run& run) {
+  if (options.preset == "paper") stages::apply_paper_preset(options, run);
 }
+void complete(const stages::CalibrateOptions& options, const stages::Run& run) {
+  stages::check_calibrate_options(options, run.given);
+}
+void complete(stages::LoopOptions& options, stages::Run& run) { stages::apply_loop_preset(options, run); }
 
 Json json_of(const stages::Option& option) {
   const Member& member = *option.member;
@@ -105,34 +102,27 @@ Json options_of() {
 
 }  // namespace
 
-Parsed<stages::SimulateOptions> simulate_call(const Arguments& arguments) {
-  Parsed<stages::SimulateOptions> parsed = parse<stages::SimulateOptions>(arguments);
-  if (parsed.options.preset == "paper") stages::apply_paper_preset(parsed.options, parsed.run);
+template <class Options>
+Parsed<Options> parse(const Arguments& arguments) {
+  Parsed<Options> parsed;
+  Sections sections = sections_of(parsed.options);
+  sections.push_back(stages::common_section(parsed.run.common));
+  parsed.run.given = set_options(sections, arguments);
+  parsed.run.common.quiet = true;
+  parsed.run.command_line = {"bouncelab (Python)"};
+  parsed.run.arguments = arguments;
+  parsed.run.parameters = stages::parameters_of(sections, parsed.run.given);
+  complete(parsed.options, parsed.run);
   return parsed;
 }
-Parsed<stages::SynthesizeOptions> synthesize_call(const Arguments& arguments) {
-  return parse<stages::SynthesizeOptions>(arguments);
-}
-Parsed<stages::DetectOptions> detect_call(const Arguments& arguments) {
-  return parse<stages::DetectOptions>(arguments);
-}
-Parsed<stages::RestitutionOptions> restitution_call(const Arguments& arguments) {
-  return parse<stages::RestitutionOptions>(arguments);
-}
-Parsed<stages::FitOptions> fit_call(const Arguments& arguments) { return parse<stages::FitOptions>(arguments); }
-Parsed<stages::RoughnessOptions> roughness_call(const Arguments& arguments) {
-  return parse<stages::RoughnessOptions>(arguments);
-}
-Parsed<stages::CalibrateOptions> calibrate_call(const Arguments& arguments) {
-  Parsed<stages::CalibrateOptions> parsed = parse<stages::CalibrateOptions>(arguments);
-  stages::check_calibrate_options(parsed.options, parsed.run.given);
-  return parsed;
-}
-Parsed<stages::LoopOptions> loop_call(const Arguments& arguments) {
-  Parsed<stages::LoopOptions> parsed = parse<stages::LoopOptions>(arguments);
-  stages::apply_loop_preset(parsed.options, parsed.run);
-  return parsed;
-}
+template Parsed<stages::SimulateOptions> parse(const Arguments&);
+template Parsed<stages::SynthesizeOptions> parse(const Arguments&);
+template Parsed<stages::DetectOptions> parse(const Arguments&);
+template Parsed<stages::RestitutionOptions> parse(const Arguments&);
+template Parsed<stages::FitOptions> parse(const Arguments&);
+template Parsed<stages::RoughnessOptions> parse(const Arguments&);
+template Parsed<stages::CalibrateOptions> parse(const Arguments&);
+template Parsed<stages::LoopOptions> parse(const Arguments&);
 
 std::string options_json(const std::string& function) {
   static const std::map<std::string, Json (*)()> functions{{"simulate", options_of<stages::SimulateOptions>},

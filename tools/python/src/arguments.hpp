@@ -10,9 +10,7 @@
 #include "stages/detect.hpp"
 #include "stages/fit.hpp"
 #include "stages/loop.hpp"
-#include "stages/restitution.hpp"
-#include "stages/roughness.hpp"
-#include "stages/synthesize.hpp"
+#include "stages/simulate.hpp"
 #include "stages/validate.hpp"
 
 namespace bouncelab::python {
@@ -26,15 +24,9 @@ struct Parsed {
   stages::Run run;
 };
 
-// What a function takes. @throws InvalidArgument as the command line says it
-Parsed<stages::SimulateOptions> simulate_call(const Arguments& arguments);
-Parsed<stages::SynthesizeOptions> synthesize_call(const Arguments& arguments);
-Parsed<stages::DetectOptions> detect_call(const Arguments& arguments);
-Parsed<stages::RestitutionOptions> restitution_call(const Arguments& arguments);
-Parsed<stages::FitOptions> fit_call(const Arguments& arguments);
-Parsed<stages::RoughnessOptions> roughness_call(const Arguments& arguments);
-Parsed<stages::CalibrateOptions> calibrate_call(const Arguments& arguments);
-Parsed<stages::LoopOptions> loop_call(const Arguments& arguments);
+/// What a function takes. @throws InvalidArgument as the command line says it
+template <class Options>
+Parsed<Options> parse(const Arguments& arguments);
 
 /// The options of a function, in the order of --help: a JSON array of {name, help, type, default, flag, least and most
 /// number of values, choices}. @throws InvalidArgument where there is no such function

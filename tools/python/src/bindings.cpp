@@ -2,9 +2,7 @@
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 
-#include <cerrno>
 #include <filesystem>
-#include <new>
 #include <string>
 
 #include "bouncelab/core/core.hpp"

@@ -18,7 +18,7 @@
 namespace bouncelab::python {
 
 std::string fit(const py::dict& columns, const Arguments& arguments, const py::object& progress) {
-  auto [options, run] = fit_call(arguments);
+  auto [options, run] = parse<stages::FitOptions>(arguments);
   RestitutionSamples samples = samples_of(columns);
   name_ball(samples, stages::ball_of(options.world), stages::plate_of(options.world));
   std::string json;
@@ -31,7 +31,7 @@ std::string fit(const py::dict& columns, const Arguments& arguments, const py::o
 }
 
 std::string roughness(const py::dict& columns, const Arguments& arguments, const py::object& progress) {
-  auto [options, run] = roughness_call(arguments);
+  auto [options, run] = parse<stages::RoughnessOptions>(arguments);
   RestitutionSamples samples = samples_of(columns);
   name_ball(samples, stages::ball_of(options.world), stages::plate_of(options.world));
   fit::RoughnessConfig config = options.config;
@@ -46,7 +46,7 @@ std::string roughness(const py::dict& columns, const Arguments& arguments, const
 }
 
 py::dict calibrate(const Arguments& arguments, const py::object& progress) {
-  auto [options, run] = calibrate_call(arguments);
+  auto [options, run] = parse<stages::CalibrateOptions>(arguments);
   py::dict result;
   if (!options.memory) {
     const fit::CalibrationConfig config = stages::calibration_config(options, run.common);
@@ -81,7 +81,7 @@ std::string score_detector(const std::vector<std::tuple<py::dict, py::dict, doub
 }
 
 py::dict loop(const Arguments& arguments, const py::object& progress) {
-  auto [options, run] = loop_call(arguments);
+  auto [options, run] = parse<stages::LoopOptions>(arguments);
   stages::Outcome outcome;
   python::run(run, progress, [&, &options = options, &run = run] { outcome = stages::run_loop(options, run); });
   py::dict result;

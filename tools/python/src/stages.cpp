@@ -17,7 +17,8 @@
 #include "bouncelab/report/detection.hpp"
 #include "bouncelab/synthesis/synthesize.hpp"
 #include "stages/files/foreign_files.hpp"
-#include "stages/files/several_files.hpp"
+#include "stages/files/sample_files.hpp"
+#include "stages/files/scratch_folder.hpp"
 #include "stages/files/table_file.hpp"
 #include "stages/progress_line.hpp"
 #include "work.hpp"
@@ -86,9 +87,6 @@ class TemporaryRecording {
   TemporaryRecording(const SoundArray& sound, double rate_hz) {
     if (rate_hz != static_cast<int>(rate_hz))
       throw InvalidArgument("rate " + short_number(rate_hz) + ": several channels need a rate that is an integer");
-    std::string name = (fs::temp_directory_path() / "bouncelab-XXXXXX").string();
-    if (::mkdtemp(name.data()) == nullptr) throw FileError(name, "cannot be made");
-    folder_ = name;
     const auto samples = sound.samples();
     const auto n_channels = static_cast<std::size_t>(sound.n_channels());
     audio::AudioWriter writer(path(), {static_cast<int>(rate_hz), sound.n_channels(), audio::SampleEncoding::float32},
@@ -96,16 +94,10 @@ class TemporaryRecording {
     writer.write(samples);  // as they are, also those beyond full scale
     writer.commit();
   }
-  TemporaryRecording(const TemporaryRecording&) = delete;
-  TemporaryRecording& operator=(const TemporaryRecording&) = delete;
-  ~TemporaryRecording() {
-    std::error_code ignored;
-    fs::remove_all(folder_, ignored);
-  }
-  fs::path path() const { return folder_ / "sound.wav"; }
+  fs::path path() const { return folder_.path() / "sound.wav"; }
 
  private:
-  fs::path folder_;
+  stages::ScratchFolder folder_;
 };
 
 audio::SampleEncoding encoding_named(const std::string& bits) {
@@ -129,7 +121,7 @@ stages::Run writing(bool force) {
 }
 
 py::dict simulate(const Arguments& arguments, const py::object& progress) {
-  auto [options, run] = simulate_call(arguments);
+  auto [options, run] = parse<stages::SimulateOptions>(arguments);
   const sim::SimulationConfig config = stages::simulation_config(options, run.common.seed, run.common.n_threads);
   sim::SimulationResult simulated;
   Table table;
@@ -150,7 +142,7 @@ py::dict simulate(const Arguments& arguments, const py::object& progress) {
 
 py::dict synthesize(const py::dict& columns, const std::string& recording, const Arguments& arguments,
                     const py::object& progress) {
-  auto [options, run] = synthesize_call(arguments);
+  auto [options, run] = parse<stages::SynthesizeOptions>(arguments);
   if (options.world.ball.empty()) options.world.ball = stages::kPaperBall.ball;
   if (options.world.plate.empty()) options.world.plate = stages::kPaperBall.plate;
   const synthesis::SynthesisConfig config = stages::synthesis_config(options, run.common.seed, run.common.n_threads);
@@ -181,7 +173,7 @@ py::dict synthesize(const py::dict& columns, const std::string& recording, const
 }
 
 py::dict detect_files(const std::vector<std::string>& names, const Arguments& arguments, const py::object& progress) {
-  auto [options, run] = detect_call(arguments);
+  auto [options, run] = parse<stages::DetectOptions>(arguments);
   if (names.empty()) throw InvalidArgument("no recording is given");
   std::vector<std::string> warnings, once;
   std::vector<detection::Detection> found;
@@ -203,7 +195,7 @@ py::dict detect_files(const std::vector<std::string>& names, const Arguments& ar
 
 py::dict detect_samples(const py::array& array, double rate_hz, const std::string& recording,
                         const Arguments& arguments, const py::object& progress) {
-  auto [options, run] = detect_call(arguments);
+  auto [options, run] = parse<stages::DetectOptions>(arguments);
   const SoundArray sound(array);
   detection::DetectionConfig config = options.config;
   config.rate_hz.reset();  // that of numbers in files
@@ -223,7 +215,7 @@ py::dict detect_samples(const py::array& array, double rate_hz, const std::strin
 }
 
 py::dict restitution(const py::dict& columns, const Arguments& arguments) {
-  auto [options, run] = restitution_call(arguments);
+  auto [options, run] = parse<stages::RestitutionOptions>(arguments);
   const fit::RestitutionConfig config = stages::restitution_config(options);
   fit::Restitution found = fit::restitution_samples(onsets_of(columns), config);
   if (found.samples.empty()) throw InvalidArgument("no three successive impacts: no coefficient of restitution");
@@ -244,9 +236,6 @@ std::string wave_of_samples(const py::array& array, double rate_hz, const std::s
   if (channel < 0 || channel >= sound.n_channels())
     throw InvalidArgument("channel " + std::to_string(channel) + ": the sound has " +
                           std::to_string(sound.n_channels()));
-  if (sound.n_channels() == 1)
-    return json_text(value_of(
-        detection::wave_preview(audio::source_in_memory(sound.samples(), rate_hz), recording, 0, onsets_of(onsets))));
   std::vector<float> one;
   const auto samples = sound.samples();
   for (auto k = static_cast<std::size_t>(channel); k < samples.size();

@@ -6,13 +6,32 @@
 #include <string>
 #include <vector>
 
+#include "bouncelab/audio/annotations.hpp"
 #include "bouncelab/core/onsets.hpp"
-#include "stage_options/foreign_options.hpp"
+#include "stage_options/options.hpp"
 #include "stages/files/table_reader.hpp"
+#include "stages/run.hpp"
 
 namespace bouncelab::stages {
 
 using options::ForeignFileOptions;
+
+// Label tracks of Audacity: short labels, which are seen between the impacts, and all else that is known of the onsets
+// in a table beside them.
+
+/// drop.txt -> drop.txt.onsets.csv
+std::filesystem::path onsets_beside(const std::filesystem::path& labels);
+
+/// What is read where these are: with the tables beside labels.
+std::vector<std::filesystem::path> with_onsets_beside(std::vector<std::filesystem::path> files);
+
+/// Writes both, of onsets of one recording.
+void write_label_track(const Run& run, const std::filesystem::path& out, const Onsets& onsets,
+                       const std::vector<std::filesystem::path>& inputs);
+
+/// The labels, completed from the table beside them where there is one.
+/// @throws FileError naming the place of what is faulty
+audio::Annotations read_label_track(const std::filesystem::path& path, const std::string& text);
 
 /// Onsets of any file: tables as detect writes them are read in pieces; marks of sound editors (Audacity, Sonic
 /// Visualiser, Praat, cue points of a WAV file), and times or intervals in a table of another program, at once.

@@ -1,17 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "stages/files/json_lines_table.hpp"
+#include "stages/files/table_reader.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <limits>
 #include <nlohmann/json.hpp>
-#include <string>
 #include <utility>
 
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/files.hpp"
-#include "bouncelab/core/table.hpp"
 #include "bouncelab/core/text.hpp"
 
 namespace bouncelab::stages {

@@ -18,7 +18,6 @@
 #include "bouncelab/audio/audio_reader.hpp"
 #include "bouncelab/core/core.hpp"
 #include "bouncelab/core/error.hpp"
-#include "bouncelab/core/files.hpp"
 #include "bouncelab/core/parallel.hpp"
 
 namespace bouncelab::stages {
@@ -105,20 +104,19 @@ Json json_in(const fs::path& path) {
   return Json::parse(content.begin(), content.end(), nullptr, false);
 }
 
-/// Sums of the inputs that a provenance names, in their order.
-std::vector<std::string> sums_of_inputs(const Json& meta) {
-  std::vector<std::string> sums;
-  if (!meta.is_object() || !meta.contains("inputs") || !meta["inputs"].is_array()) return sums;
-  for (const Json& input : meta["inputs"])
-    if (input.is_object() && input.contains("sha256") && input["sha256"].is_string()) sums.push_back(input["sha256"]);
-  return sums;
+/// A text of a provenance or of one of its inputs; absent where it has none of that name.
+std::optional<std::string> text_in(const Json& object, const std::string& name) {
+  if (!object.is_object() || !object.contains(name) || !object[name].is_string()) return std::nullopt;
+  return object[name].get<std::string>();
 }
 
-/// The sum of the output that a provenance is of; empty where it has none.
-std::string sum_in(const Json& meta) {
-  return meta.is_object() && meta.contains("sha256") && meta["sha256"].is_string() ? meta["sha256"].get<std::string>()
-                                                                                   : "";
+/// The inputs that a provenance names, in their order.
+Json inputs_in(const Json& meta) {
+  return meta.is_object() && meta.contains("inputs") && meta["inputs"].is_array() ? meta["inputs"] : Json::array();
 }
+
+/// The sum of the output that a provenance is of, or of an input; empty where it has none.
+std::string sum_in(const Json& meta) { return text_in(meta, "sha256").value_or(""); }
 
 /// null where there is none. @throws FileError where it is not JSON
 Json provenance_beside(const fs::path& file) {
@@ -138,18 +136,16 @@ bool is_of(const Json& meta, const fs::path& file) {
 
 /// The value of an option of the command itself; absent where the provenance is none or of another content.
 std::optional<std::string> parameter_in(const Json& meta, const std::string& option, const fs::path& file) {
-  if (!meta.is_object() || !meta.contains("parameters") || !meta["parameters"].is_object()) return std::nullopt;
-  if (!is_of(meta, file)) return std::nullopt;
-  const auto found = meta["parameters"].find(option);
-  if (found == meta["parameters"].end() || !found->is_string()) return std::nullopt;
-  return found->get<std::string>();
+  if (!meta.is_object() || !meta.contains("parameters") || !is_of(meta, file)) return std::nullopt;
+  return text_in(meta["parameters"], option);
 }
 
 /// The input that a provenance names, where it was or beside the output; absent where that content is not there, or
 /// nothing is known of it: then nobody waits for its sum.
 std::optional<fs::path> found_input(const Json& input, const fs::path& output) {
-  if (!input.is_object() || !input.contains("path") || !input["path"].is_string()) return std::nullopt;
-  const fs::path named = input["path"].get<std::string>();
+  const std::optional<std::string> name = text_in(input, "path");
+  if (!name) return std::nullopt;
+  const fs::path named = *name;
   for (const fs::path& path : {named, output.parent_path() / named.filename()})
     if (fs::is_regular_file(path) && fs::is_regular_file(provenance_path(path)) &&
         sha256_of_file(path) == sum_in(input))
@@ -163,10 +159,9 @@ std::optional<std::string> parameter_in_history(const fs::path& file, const std:
   if (file.empty() || is_stream(file) || !seen.insert(file).second) return std::nullopt;
   const Json meta = provenance_beside(file);
   if (!meta.is_object() || !is_of(meta, file)) return std::nullopt;
-  if (meta.contains("inputs") && meta["inputs"].is_array())
-    for (const Json& input : meta["inputs"])
-      if (const auto at = found_input(input, file))
-        if (auto earlier = parameter_in_history(*at, option, seen); earlier && !earlier->empty()) return earlier;
+  for (const Json& input : inputs_in(meta))
+    if (const auto at = found_input(input, file))
+      if (auto earlier = parameter_in_history(*at, option, seen); earlier && !earlier->empty()) return earlier;
   return parameter_in(meta, option, file);
 }
 
@@ -179,20 +174,21 @@ std::string sha256_of(const std::string& text) {
 }
 
 bool are_unchanged_and_of(const std::vector<fs::path>& outputs, const std::vector<fs::path>& inputs) {
-  std::vector<std::string> of_inputs;
+  std::vector<std::string> of_inputs, named;
   for (const fs::path& input : inputs) of_inputs.push_back(sha256_of_file(input));
-  if (sums_of_inputs(provenance_beside(outputs.front())) != of_inputs) return false;
+  for (const Json& input : inputs_in(provenance_beside(outputs.front())))
+    if (const auto sum = text_in(input, "sha256")) named.push_back(*sum);
+  if (named != of_inputs) return false;
   return std::all_of(outputs.begin(), outputs.end(), [](const fs::path& output) {
     return !fs::exists(output) || sum_in(provenance_beside(output)) == sha256_of_file(output);
   });
 }
 
 bool is_made_of_another(const fs::path& output, const fs::path& input) {
-  const Json meta = provenance_beside(output);
-  if (!meta.is_object() || !meta.contains("inputs") || !meta["inputs"].is_array()) return false;
-  return std::any_of(meta["inputs"].begin(), meta["inputs"].end(), [&](const Json& named) {
-    return named.is_object() && named.contains("path") && named["path"].is_string() &&
-           fs::path(named["path"].get<std::string>()).filename() == input.filename() && !sum_in(named).empty() &&
+  const Json inputs = inputs_in(provenance_beside(output));
+  return std::any_of(inputs.begin(), inputs.end(), [&](const Json& named) {
+    const std::optional<std::string> name = text_in(named, "path");
+    return name && fs::path(*name).filename() == input.filename() && !sum_in(named).empty() &&
            sum_in(named) != sha256_of_file(input);
   });
 }

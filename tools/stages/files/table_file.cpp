@@ -8,10 +8,7 @@
 #include <utility>
 
 #include "bouncelab/core/error.hpp"
-#include "bouncelab/core/files.hpp"
 #include "bouncelab/core/parallel.hpp"
-#include "bouncelab/core/table.hpp"
-#include "stages/files/json_lines_table.hpp"
 
 namespace bouncelab::stages {
 namespace fs = std::filesystem;

@@ -11,7 +11,6 @@
 #include "bouncelab/core/text.hpp"
 #include "stages/progress_line.hpp"
 #include "stages/simulate.hpp"
-#include "stages/synthesize.hpp"
 
 namespace bouncelab::stages {
 namespace {

@@ -8,7 +8,6 @@
 #include <cctype>
 #include <cmath>
 #include <ctime>
-#include <optional>
 #include <string_view>
 
 #include "bouncelab/audio/annotations.hpp"

@@ -10,9 +10,8 @@
 #include "bouncelab/core/parallel.hpp"
 #include "bouncelab/report/detection.hpp"
 #include "bouncelab/report/page.hpp"
-#include "files.hpp"
 #include "options.hpp"
-#include "stage_options/restitution_options.hpp"
+#include "stage_options/options.hpp"
 
 namespace bouncelab::web {
 namespace {

@@ -4,6 +4,7 @@
 #include <emscripten/bind.h>
 #include <emscripten/val.h>
 
+#include <cstdint>
 #include <exception>
 #include <filesystem>
 #include <new>
@@ -11,14 +12,15 @@
 #include <stdexcept>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "analysis.hpp"
 #include "bouncelab/core/core.hpp"
 #include "bouncelab/core/error.hpp"
+#include "bouncelab/core/table.hpp"
 #include "bouncelab/fit/restitution.hpp"
-#include "columns.hpp"
 #include "simulation.hpp"
-#include "stage_options/ball_choice.hpp"
+#include "stage_options/options.hpp"
 
 namespace bouncelab::web {
 namespace {
@@ -50,10 +52,54 @@ val array_of(const Number* values, std::size_t n) {
   return val(emscripten::typed_memory_view(n, values)).template call<val>("slice");
 }
 
-val strings(const std::vector<std::string>& texts) {
+// Tables as JavaScript has them: an object of arrays, one a column. Numbers are Float64Arrays, NaN where one is not
+// known; texts are arrays of strings.
+
+val array_of(const std::vector<std::string>& texts) {
   val list = val::array();
   for (const std::string& text : texts) list.call<void>("push", text);
   return list;
+}
+val array_of(const std::vector<double>& values) { return array_of(values.data(), values.size()); }
+val array_of(const std::vector<std::int64_t>& values) {
+  return array_of(std::vector<double>(values.begin(), values.end()));
+}
+
+Column column_of(const val& values, const ColumnSpec& spec, const std::string& what) {
+  if (spec.type == ColumnType::text) return {spec.name, emscripten::vecFromJSArray<std::string>(values)};
+  const auto numbers = emscripten::convertJSArrayToNumberVector<double>(values);
+  if (spec.type == ColumnType::real) return {spec.name, numbers};
+  std::vector<std::int64_t> integers;
+  for (const double number : numbers) {
+    const std::optional<std::int64_t> integer = whole_number(number);
+    if (!integer)
+      throw InvalidArgument(what + ", column " + spec.name + ": " + short_number(number) + " is no integer");
+    integers.push_back(*integer);
+  }
+  return {spec.name, integers};
+}
+
+val columns_of(const Table& table) {
+  val columns = val::object();
+  for (const Column& column : table.columns)
+    columns.set(column.name, std::visit([](const auto& values) { return array_of(values); }, column.values));
+  return columns;
+}
+
+/// @param wanted  columns that are taken, where they are there
+/// @throws InvalidArgument where columns have not the same length, or an integer is none
+Table table_of(const val& columns, const std::vector<ColumnSpec>& wanted, const std::string& what) {
+  Table table;
+  std::size_t n = 0;
+  for (const ColumnSpec& spec : wanted) {
+    const val values = columns[spec.name];
+    if (values.isUndefined()) continue;
+    const auto length = values["length"].as<std::size_t>();
+    if (!table.columns.empty() && length != n) throw InvalidArgument(what + ": columns of different lengths");
+    n = length;
+    table.columns.push_back(column_of(values, spec, what));
+  }
+  return table;
 }
 
 Sound sound_of(const val& samples, double rate_hz, int n_channels, const std::string& name) {
@@ -67,7 +113,7 @@ val value_of(const Sound& sound) {
   value.set("samples", array_of(sound.samples.data(), sound.samples.size()));
   value.set("format", sound.format);
   value.set("lossy_coding", sound.lossy_coding);
-  value.set("warnings", strings(sound.warnings));
+  value.set("warnings", array_of(sound.warnings));
   return value;
 }
 

@@ -12,8 +12,7 @@
 #include "bouncelab/sim/sim.hpp"
 #include "bouncelab/synthesis/synthetic_recording.hpp"
 #include "options.hpp"
-#include "stage_options/simulate_options.hpp"
-#include "stage_options/synthesize_options.hpp"
+#include "stage_options/options.hpp"
 
 namespace bouncelab::web {
 namespace {

@@ -3,11 +3,7 @@
 
 #include <algorithm>
 #include <fstream>
-#include <memory>
 #include <numeric>
-#include <optional>
-#include <span>
-#include <vector>
 
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/table.hpp"

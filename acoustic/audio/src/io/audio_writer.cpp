@@ -11,11 +11,9 @@
 #include <cctype>
 #include <cerrno>
 #include <cmath>
-#include <cstdint>
 #include <cstring>
 #include <string>
 #include <utility>
-#include <vector>
 
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/error.hpp"

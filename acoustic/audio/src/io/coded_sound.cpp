@@ -2,12 +2,9 @@
 #include "io/coded_sound.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cstring>
-#include <optional>
 #include <sstream>
 #include <system_error>
-#include <vector>
 
 #include "bouncelab/core/child_process.hpp"
 #include "bouncelab/core/error.hpp"

@@ -2,7 +2,6 @@
 #include "candidates/band_energies.hpp"
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cassert>
 #include <cmath>

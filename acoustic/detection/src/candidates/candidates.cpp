@@ -7,8 +7,6 @@
 #include <mutex>
 
 #include "bouncelab/core/elementary.hpp"
-#include "bouncelab/core/parallel.hpp"
-#include "candidates/candidate_model.hpp"
 #include "candidates/innovation_energy.hpp"
 
 namespace bouncelab::detection {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "contact/band_levels.hpp"
+#include "contact/contact_time.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,6 @@
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/numerics.hpp"
 #include "contact/contact_model.hpp"
-#include "whitening/white_window.hpp"
 
 namespace bouncelab::detection {
 namespace {

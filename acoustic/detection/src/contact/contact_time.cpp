@@ -5,9 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <numeric>
-#include <optional>
 #include <utility>
-#include <vector>
 
 #include <Eigen/Core>
 

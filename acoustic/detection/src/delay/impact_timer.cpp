@@ -9,7 +9,6 @@
 #include "bouncelab/core/elementary.hpp"
 #include "delay/delay_model.hpp"
 #include "template/template_model.hpp"
-#include "whitening/white_window.hpp"
 
 namespace bouncelab::detection {
 namespace {

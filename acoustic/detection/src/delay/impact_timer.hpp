@@ -6,8 +6,8 @@
 
 #include "delay/ringing.hpp"
 #include "delay/timed_impact.hpp"
-#include "template/correlation_peaks.hpp"
 #include "template/impact_template.hpp"
+#include "template/subband_delay.hpp"
 #include "whitening/white_window.hpp"
 
 namespace bouncelab::detection {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cmath>
 #include <optional>
 #include <vector>
 
@@ -9,13 +10,25 @@
 #include "candidates/candidates.hpp"
 #include "contact/contact_time.hpp"
 #include "delay/timed_impact.hpp"
-#include "drops/clipping.hpp"
 #include "template/impact_template.hpp"
 #include "tracking/tracker.hpp"
 #include "whitening/linear_prediction.hpp"
 #include "whitening/white_window.hpp"
 
 namespace bouncelab::detection {
+
+/// The values beyond which a converter or an amplifier gives none, full scale or less.
+struct ClippingLimits {
+  float lowest = -INFINITY, highest = INFINITY;  ///< infinite where the recording has no such limit
+
+  /// Whether the recording reaches one of them within 5 ms after t_s [s].
+  bool are_reached(const audio::AudioSource& sound, double t_s) const;
+};
+
+/// A limit is the largest value of a recording, or the smallest, if more than one impact reaches it, and below full
+/// scale stays at it for two samples: two crests may be equal by chance, or two samples of the crest of a slow wave.
+/// @param impacts_s  times of the impacts [s]
+ClippingLimits find_clipping_limits(const audio::AudioSource& sound, const std::vector<double>& impacts_s);
 
 /// A band of a recording's frequencies, or all of them, and the drops that were found there.
 struct BandOfDrops {
@@ -60,5 +73,16 @@ void set_speeds(double gravity_mps2, std::vector<TimedImpact>& impacts);
 
 /// Marks the impacts at which the recording is at its limit.
 void mark_clipped(const BandOfDrops& band, std::vector<TimedImpact>& impacts);
+
+/// Joint estimation of impacts whose sounds overlap: the amplitudes of all by linear least squares (ringing.hpp), then
+/// the time of each flagged one with the sound of the others subtracted; in turns, until none moves by a fifth of its
+/// standard error. Slow impacts have longer contacts than those of the template and so fewer high frequencies: each is
+/// compared with the template times P(f tau_1 u) / P(f tau_1 u_0), P the spectrum of Hertz's pulse, u = v^(-1/5).
+/// @param law               hertz_tau_1_s 0 = the template as it is
+/// @param template_scaling  u_0, v^(-1/5) of the impacts that the template is the mean of
+/// @param impacts           of one track, in time order; v_mps 0 = the template as it is
+/// @return whether there were any
+bool separate_overlaps(WhiteSound& white, const ImpactTemplate& learned, const ContactLaw& law, double template_scaling,
+                       std::vector<TimedImpact>& impacts);
 
 }  // namespace bouncelab::detection

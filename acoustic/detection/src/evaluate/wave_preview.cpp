@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bouncelab/audio/audio_reader.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/files.hpp"
 #include "whitening/decimate.hpp"

@@ -2,7 +2,6 @@
 #include "tracking/hypothesis.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "bouncelab/core/elementary.hpp"
 #include "tracking/densities.hpp"

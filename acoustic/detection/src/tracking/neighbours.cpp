@@ -6,7 +6,6 @@
 #include <numbers>
 
 #include "bouncelab/core/elementary.hpp"
-#include "tracking/densities.hpp"
 
 namespace bouncelab::detection {
 namespace {

@@ -6,7 +6,6 @@
 
 #include "bouncelab/core/elementary.hpp"
 #include "candidates/candidate_model.hpp"
-#include "tracking/tracking_model.hpp"
 
 namespace bouncelab::detection {
 namespace {

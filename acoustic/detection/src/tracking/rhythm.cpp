@@ -6,8 +6,6 @@
 #include <numbers>
 
 #include "bouncelab/core/elementary.hpp"
-#include "tracking/densities.hpp"
-#include "tracking/tracking_model.hpp"
 
 namespace bouncelab::detection {
 namespace {

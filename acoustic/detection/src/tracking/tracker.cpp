@@ -2,8 +2,6 @@
 #include "tracking/tracker.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <optional>
 #include <utility>
 
 #include "bouncelab/core/elementary.hpp"

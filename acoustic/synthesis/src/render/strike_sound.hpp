@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "bouncelab/synthesis/synthetic_recording.hpp"
-#include "excitation/cramer_rao.hpp"
 #include "excitation/point_response.hpp"
 #include "scene/noise.hpp"
 #include "scene/schedule.hpp"

@@ -2,11 +2,9 @@
 #include "scene/background.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 #include <utility>
-#include <vector>
 
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/random.hpp"

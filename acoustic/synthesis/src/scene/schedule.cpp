@@ -3,14 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
 #include <limits>
 #include <numbers>
 #include <string>
 
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/error.hpp"
-#include "bouncelab/core/random.hpp"
 
 namespace bouncelab::synthesis {
 namespace {

@@ -6,9 +6,9 @@
 
 #include "bouncelab/synthesis/plate.hpp"
 #include "bouncelab/synthesis/sensor.hpp"
-#include "excitation/cramer_rao.hpp"
+#include "excitation/point_response.hpp"
 #include "excitation/resonator_bank.hpp"
-#include "sensor/reverberation.hpp"
+#include "sensor/converter.hpp"
 
 namespace bouncelab::synthesis {
 
