@@ -182,8 +182,8 @@ Annotations labels_of(const ForeignTable& table, const std::string& name) {
 namespace {
 
 // of whole frames; far beyond any recording's on both sides
-constexpr double kLowestRate_hz = 1.0;
-constexpr double kHighestRate_hz = 1e9;
+constexpr double kLowestMarkRate_hz = 1.0;
+constexpr double kHighestMarkRate_hz = 1e9;
 
 constexpr std::pair<const char*, char> kEntities[] = {
     {"&quot;", '"'}, {"&apos;", '\''}, {"&lt;", '<'}, {"&gt;", '>'}, {"&amp;", '&'}};
@@ -218,7 +218,7 @@ double number_of(const pugi::xml_node& node, const char* key, const std::string&
 
 double rate_of(const pugi::xml_node& model, const std::string& name) {
   const double rate_hz = number_of(model, "sampleRate", name);
-  if (!(rate_hz >= kLowestRate_hz && rate_hz <= kHighestRate_hz))
+  if (!(rate_hz >= kLowestMarkRate_hz && rate_hz <= kHighestMarkRate_hz))
     throw FileError(name, std::string("sampleRate '") + model.attribute("sampleRate").value() +
                               "': must be 1 to 1e9 Hz; save the layer again");
   return rate_hz;
