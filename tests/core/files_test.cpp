@@ -258,6 +258,7 @@ TEST_F(OutputFileTest, ALinkIsFollowedAndStays) {
 TEST_F(OutputFileTest, APipeIsWrittenToAndNotReplaced) {
   const fs::path fifo = folder_ / "fifo.csv";
   ASSERT_EQ(::mkfifo(fifo.c_str(), 0600), 0);
+  ::setenv("TMPDIR", folder_.path().c_str(), 1);
   std::string read;
   std::thread reader([&] { std::getline(std::ifstream(fifo), read); });
   write_whole(fifo, std::string(100'000, 'x'), false);
@@ -265,8 +266,15 @@ TEST_F(OutputFileTest, APipeIsWrittenToAndNotReplaced) {
   EXPECT_EQ(read.size(), 100'000u);
   EXPECT_TRUE(fs::is_fifo(fifo));
   write_whole("/dev/null", "x", false);  // not to break the machine where this fails
+  ::unsetenv("TMPDIR");
   EXPECT_TRUE(fs::is_character_file("/dev/null"));
   EXPECT_EQ(n_files(), 1);
+}
+
+TEST_F(OutputFileTest, WhatTheDiskDoesNotTakeAtTheLastIsSaid) {
+  std::ofstream file("/dev/full");
+  file << 'x';  // written when it is closed
+  EXPECT_THROW(close_written(file, "/dev/full"), FileError);
 }
 
 TEST_F(OutputFileTest, AReplacedFileKeepsItsPermissionsAndANewOneHasThoseOfTheUmask) {

@@ -133,14 +133,16 @@ TEST(Restitution, BreaksTheChainAtADoubtfulOnsetOfUnknownErrorAndAtOneThatIsLess
   EXPECT_EQ(n_clean(r.samples), 7u);
   for (const auto& s : r.samples) EXPECT_NEAR(s.eps, 0.9, 1e-12);
   EXPECT_EQ(r.counts.breaks.at(Flag::doubtful), 1u);
-  onsets = onsets_at(geometric_times(0.2, 0.9, 12));
-  onsets[0].flags = {Flag::doubtful, Flag::improbable};
-  onsets[11].flags = {Flag::improbable};
-  const auto inner = restitution_samples(onsets, {});
-  ASSERT_EQ(inner.samples.size(), 8u);
-  EXPECT_EQ(inner.samples.front().impact, 2);
-  EXPECT_EQ(inner.samples.back().impact, 9);
-  EXPECT_EQ(inner.counts.breaks.at(Flag::improbable), 2u);
+  for (const Flag flag : {Flag::improbable, Flag::inferred, Flag::no_position}) {
+    onsets = onsets_at(geometric_times(0.2, 0.9, 12));
+    onsets[0].flags = {Flag::doubtful, flag};
+    onsets[11].flags = {flag};
+    const auto inner = restitution_samples(onsets, {});
+    ASSERT_EQ(inner.samples.size(), 8u);
+    EXPECT_EQ(inner.samples.front().impact, 2);
+    EXPECT_EQ(inner.samples.back().impact, 9);
+    EXPECT_EQ(inner.counts.breaks.at(flag), 2u);
+  }
 }
 
 TEST(Restitution, FlagsAMissedImpact) {

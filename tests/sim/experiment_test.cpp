@@ -140,12 +140,16 @@ TEST(Simulate, EnergyOfEachImpactBalancesAndTheImpactsAddUpToTheRun) {
   EXPECT_NEAR(created / result.energy.created_j, 1.0, 1e-12);
 }
 
-TEST(Simulate, FallTimeAndSpeedFollowFromTheHeight) {
+TEST(Simulate, FallTimeAndSpeedFollowFromTheHeightAboveATiltedPlateToo) {
   SimulationConfig config = small_config();
   config.drop_height_min_m = config.drop_height_max_m = 0.1;
-  const Impact first = simulate(config, Surface{}).impacts.rows.front();
-  EXPECT_NEAR(first.v_mps, std::sqrt(2 * 9.81 * 0.1), 1e-15);
-  EXPECT_NEAR(first.t_s, std::sqrt(2 * 0.1 / 9.81), 1e-15);
+  for (const double tilt_rad : {0.0, 0.1}) {
+    config.tilt_rad = tilt_rad;
+    const Impact first = simulate(config, Surface{}).impacts.rows.front();
+    const double normal_mps2 = 9.81 * std::cos(tilt_rad);
+    EXPECT_NEAR(first.v_mps, std::sqrt(2 * normal_mps2 * 0.1), 1e-15);
+    EXPECT_NEAR(first.t_s, std::sqrt(2 * 0.1 / normal_mps2), 1e-15);
+  }
 }
 
 TEST(Simulate, TiltedPlateLetsTheSmoothBallBounceDownhill) {

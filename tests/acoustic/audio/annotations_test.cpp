@@ -114,12 +114,15 @@ TEST(Annotations, TextFormatsGiveBackEveryBit) {
   EXPECT_EQ(from_grid.front().recording, onsets.front().recording);
 }
 
-TEST(Annotations, AnEditorThatRoundsToItsOwnResolutionLosesNothing) {
+TEST(Annotations, AnEditorThatRoundsToItsOwnResolutionLosesNothingAndMovesMarksByAStepOfIt) {
   const Onsets onsets = some_onsets();
   Annotations annotations = annotations_of(onsets);
   for (Annotation& point : annotations.points) point.t_s = std::round(point.t_s * 1e6) / 1e6;  // what Audacity writes
   annotations.resolution_s = 1e-6;
   expect_same(onsets_of(annotations, false, "marks"), onsets);
+  for (std::size_t k = 0; k < onsets.size(); ++k) annotations.points[k].t_s += k % 2 == 0 ? 1e-6 : -1e-6;
+  for (const Onset& moved : onsets_of(annotations, false, "marks"))
+    EXPECT_TRUE(moved.flags == Flags{Flag::by_hand} && !moved.sigma_t_s) << moved.impact;
 }
 
 TEST(Annotations, AMarkThatWasMovedOrMadeCountsAsItStands) {

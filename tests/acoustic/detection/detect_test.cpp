@@ -160,6 +160,7 @@ TEST(DetectBadInput, FollowsTheBallAfterDigitalZeros) {
   x.insert(x.end(), ball.begin(), ball.end());
   const Detection d = detect(x, kRate_hz, "zeros first");
   ASSERT_EQ(d.onsets.size(), 30U);
+  EXPECT_EQ(d.drops.at(0).begin_s, d.onsets[0].t_s);
   const std::vector<double> truth = test::impact_times(b);
   for (std::size_t k = 0; k < truth.size(); ++k) EXPECT_NEAR(d.onsets[k].t_s, 3.0 + truth[k], 2.0 / kRate_hz);
 }
