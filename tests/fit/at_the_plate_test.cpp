@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What an interval holds (docs/physics.md, 9): drag and contact, taken out where they are known.
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -34,32 +34,6 @@ std::string bytes(const Impacts& impacts) {
   return out.str();
 }
 
-TEST(Simulate, GivesTheSameBytesForOneTwoAndSevenThreads) {
-  SimulationConfig config = small_config();
-  const Surface surface = small_surface(config);
-  const std::string one = bytes(simulate(config, surface).impacts);
-  for (const int n_threads : {2, 7}) {
-    config.n_threads = n_threads;
-    EXPECT_EQ(bytes(simulate(config, surface).impacts), one);
-  }
-}
-
-TEST(Simulate, GivesTheSameDropAloneAndInABatch) {
-  SimulationConfig config = small_config();
-  const Surface surface = small_surface(config);
-  const Impacts batch = simulate(config, surface).impacts;
-  config.first_drop = 7;
-  config.n_drops = 1;
-  Impacts alone = simulate(config, surface).impacts;
-  Impacts same;
-  for (std::size_t k = 0; k < batch.rows.size(); ++k) {
-    if (batch.rows[k].drop != 7) continue;
-    same.rows.push_back(batch.rows[k]);
-    same.states.push_back(batch.states[k]);
-  }
-  EXPECT_EQ(bytes(alone), bytes(same));
-}
-
 TEST(Simulate, GivesTheSameDropsAloneAndInTurnWhereSomeEndEarly) {
   SimulationConfig config = small_config();
   config.n_impacts_max = 1000;

@@ -14,14 +14,15 @@
 #include <string>
 
 #include "bouncelab/audio/audio_writer.hpp"
-#include "bouncelab/core/error.hpp"
 #include "bouncelab/core/onsets.hpp"
+#include "support/refusal.hpp"
 #include "support/temporary_folder.hpp"
 
 namespace bouncelab::audio {
 namespace {
 
 namespace fs = std::filesystem;
+using test::refusal;
 
 /// Two drops with all that an onset can have, and numbers that need every digit.
 Onsets some_onsets() {
@@ -55,17 +56,6 @@ void expect_same(const Onsets& a, const Onsets& b) {
     EXPECT_EQ(a[k].flags, b[k].flags);
     EXPECT_EQ(a[k].probability, b[k].probability);
   }
-}
-
-/// The message of the Error that a call ends with; empty where it ends well.
-template <class Call>
-std::string refusal(const Call& call) {
-  try {
-    call();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
 }
 
 TEST(Annotations, ShortLabelsFitAndAreCompletedByTheOnsets) {

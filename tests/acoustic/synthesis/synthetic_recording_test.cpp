@@ -1,14 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bouncelab/synthesis/synthetic_recording.hpp"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <complex>
-#include <iterator>
-#include <limits>
 
 #include "bouncelab/audio/audio_writer.hpp"
 #include "bouncelab/core/ball.hpp"
