@@ -7,7 +7,6 @@
 #include <filesystem>
 #include <fstream>
 #include <string>
-#include <vector>
 
 #include "../fit/synthetic_samples.hpp"
 #include "bench_lines.hpp"

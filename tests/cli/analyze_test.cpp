@@ -43,6 +43,7 @@ TEST_F(Analyze, ARecordingGivesEveryFileOfTheInterfaceAsTheStagesByHandDo) {
   const Json sound = json("out/wave.json")["sound"];
   const std::string wav = sound["wav_base64"].text(), html = content("out/report.html");
   EXPECT_EQ(wav.substr(0, 5), "UklGR");  // "RIFF" and the first bits of its length
+  EXPECT_EQ(wav.substr(32, 4), "IlYA");  // bytes 24 to 26: 22 56 00, half of 44,100 Hz
   // 44 bytes of head and two a sample at 22,050 Hz, three bytes in four characters
   const auto n_samples = static_cast<std::size_t>(std::lround(22050.0 * sound["duration_s"].number()));
   EXPECT_EQ(wav.size(), (44 + 2 * n_samples + 2) / 3 * 4);

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The answer of `analyze` and `fit` to small inputs that people have: its interval holds what went in.
-#include <cmath>
 
 #include "bouncelab/core/random.hpp"
 #include "program.hpp"

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // `bouncelab balls`, and --ball and --plate of every command that takes them.
-#include <cmath>
 #include <sstream>
 
 #include "bouncelab/core/samples.hpp"

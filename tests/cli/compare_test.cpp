@@ -116,6 +116,9 @@ TEST_F(CompareCommand, TwoSoundsOnTwoPlatesAreAnalysedAndToldApartIfTheyHaveSeve
   EXPECT_EQ(row["nodes"].size(), 3u);
   EXPECT_TRUE(row.contains("A2") && row.contains("A5"));
   EXPECT_THAT(content("o/report.html"), testing::HasSubstr("differ by more than drops"));
+  write("cut.wav", "RIFF");
+  EXPECT_EQ(run("compare glass.wav wood.wav cut.wav --out cut").exit_code, 3);
+  EXPECT_TRUE(exists("cut/comparison.json"));
   write("glass.wav", sound_of(1, 0.90));
   write("wood.wav", sound_of(1, 0.80));
   EXPECT_THAT(run("compare glass.wav wood.wav --out o --force").out,

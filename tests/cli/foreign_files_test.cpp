@@ -132,6 +132,13 @@ TEST_F(ForeignFiles, ATableMayComeThroughAPipe) {
   EXPECT_EQ(first_line(piped.out), first_line(answer));
 }
 
+TEST_F(ForeignFiles, TheMedianIsOfTheSamplesWithoutFlags) {
+  // .80 to .84, and then an impact that was not heard
+  write("t.csv", "t_s\n0.4\n1\n1.48\n1.8688\n2.187616\n2.452233\n2.674512\n3.05\n");
+  EXPECT_NEAR(Json(run("restitution t.csv --out s.csv --json").out)["eps_median"].number(), 0.82, 1e-9);  // rounding
+  EXPECT_THAT(content("s.csv"), HasSubstr("missing_impact"));
+}
+
 TEST_F(ForeignFiles, AreTakenAsTheUserSays) {
   write("us.csv", "a;b\n" + std::regex_replace(times(12, 1e6), std::regex("(.+)\n"), "9;$1\n"));
   EXPECT_THAT(said_of("us.csv --columns t=b --unit us --as times"), HasSubstr("times in us"));

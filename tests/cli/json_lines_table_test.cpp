@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "bouncelab/core/error.hpp"
+#include "support/refusal.hpp"
 
 namespace bouncelab::stages {
 namespace {
@@ -26,12 +27,7 @@ Table read(const std::string& text) {
 }
 
 std::string message_of(const std::string& text) {
-  try {
-    read(text);
-  } catch (const FileError& error) {
-    return error.what();
-  }
-  return "no error";
+  return test::refusal<FileError>([&] { read(text); });
 }
 
 TEST(JsonLines, AColumnThatAppearsInALaterRowIsThere) {

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Tables longer than the memory.
-#include <iomanip>
 
 #include "program.hpp"
 #include "support/sanitizers.hpp"

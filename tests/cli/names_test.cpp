@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /// Names of files that break what is not careful with them.
 
-#include "bouncelab/core/onsets.hpp"
 #include "bouncelab/core/table.hpp"
 #include "program.hpp"
 #include "wav.hpp"

@@ -18,6 +18,8 @@ TEST_F(PaperLoop, TheSoundKeptGivesTheOnsetsOfTheLoop) {
   expect_one_line_error(run(loop(2, 10, "out", "--channel 0,0 --channel 0.1,0")), 2,
                         {"--channel", "one sensor, not 2"});
   ASSERT_EQ(run(loop(3, 40, "out", "--keep-sound --quiet")).exit_code, 0);
+  const Json parameters = json("out/onsets.csv.meta.json")["parameters"];
+  EXPECT_EQ(parameters["lead-in"].text() + " " + parameters["pause"].text(), "0.1 0.3") << "not 0.5 1";
   ASSERT_EQ(run("detect out/sound/rough.*.flac --out again.csv --quiet").exit_code, 0);
   // but for the recordings' names the tables are the same
   std::string again = content("again.csv");

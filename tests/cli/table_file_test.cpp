@@ -2,7 +2,6 @@
 /// Tables in pieces, in each of the two formats.
 #include "stages/files/table_file.hpp"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>

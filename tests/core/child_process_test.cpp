@@ -16,11 +16,11 @@
 #include <fstream>
 #include <stdexcept>
 #include <string>
-#include <string_view>
 #include <thread>
 #include <vector>
 
 #include "bouncelab/core/error.hpp"
+#include "support/refusal.hpp"
 #include "support/temporary_folder.hpp"
 
 namespace bouncelab {
@@ -67,12 +67,7 @@ std::string all_of(ChildProcess& child) {
 std::string refusal(const std::string& way, const ChildLimits& limits) {
   ChildProcess child(misbehaving(way), "a.xyz", -1, limits);
   EXPECT_THAT(all_of(child), StartsWith("a"));
-  try {
-    child.finish("make it again");
-  } catch (const FileError& error) {
-    return error.what();
-  }
-  return "";
+  return test::refusal<FileError>([&] { child.finish("make it again"); });
 }
 
 TEST(ChildProcess, GivesWhatAFunctionWrites) {
@@ -125,7 +120,7 @@ TEST(ChildProcess, HasTheFileThatIsHandedOver) {
 
 TEST(ChildProcess, ReturnsAlsoWhereTheHostLetsNobodyWaitForChildren) {
   const auto before = std::signal(SIGCHLD, SIG_IGN);
-  EXPECT_EQ(refusal("", kWide), "");
+  EXPECT_EQ(refusal("", kWide), "no error");
   EXPECT_EQ(refusal("refuse", kWide), "a.xyz: line 3: no number");
   EXPECT_THAT(refusal("crash", kWide), HasSubstr("ended the process"));
   std::signal(SIGCHLD, before);
@@ -142,7 +137,7 @@ TEST(ChildProcess, NoticesTheEndOfOneChildAmongManyThatWereStartedAtTheSameTime)
         if ((thread + k) % 2 == 0)
           EXPECT_THAT(refusal("crash", kWide), HasSubstr("ended"));
         else
-          EXPECT_EQ(refusal("", kWide), "");
+          EXPECT_EQ(refusal("", kWide), "no error");
         EXPECT_EQ(all_of(bystander), "a!");
       }
     });

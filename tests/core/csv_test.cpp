@@ -7,10 +7,10 @@
 #include <array>
 #include <cmath>
 #include <fstream>
-#include <limits>
 #include <sstream>
 
 #include "bouncelab/core/error.hpp"
+#include "support/refusal.hpp"
 #include "support/temporary_folder.hpp"
 
 namespace bouncelab {
@@ -26,12 +26,7 @@ std::filesystem::path file_with(const std::string& content) {
 }
 
 std::string message_of(const std::string& content, const std::vector<ColumnSpec>& wanted) {
-  try {
-    read_csv(file_with(content), wanted);
-  } catch (const FileError& error) {
-    return error.what();
-  }
-  return "no error";
+  return test::refusal<FileError>([&] { read_csv(file_with(content), wanted); });
 }
 
 TEST(Csv, EveryDoubleReadsBackToTheSameBits) {

@@ -3,10 +3,10 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <string>
 
 #include "bouncelab/core/error.hpp"
+#include "support/refusal.hpp"
 
 namespace bouncelab {
 namespace {
@@ -49,12 +49,7 @@ const Member& member_named(const std::string& name) {
 
 /// The message with which a text is refused.
 std::string refusal(const std::string& name, const std::string& text) {
-  try {
-    value_from_text(member_named(name), text);
-  } catch (const InvalidArgument& error) {
-    return error.what();
-  }
-  return "";
+  return test::refusal<InvalidArgument>([&] { value_from_text(member_named(name), text); });
 }
 
 TEST(Description, ATextSetsTheMemberItIsReadFor) {

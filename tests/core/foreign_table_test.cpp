@@ -18,6 +18,7 @@
 #include "bouncelab/core/onsets.hpp"
 #include "bouncelab/core/samples.hpp"
 #include "bouncelab/core/text.hpp"
+#include "support/refusal.hpp"
 
 namespace bouncelab {
 namespace {
@@ -83,12 +84,7 @@ std::vector<double> times_of(const Onsets& onsets) {
 }
 
 std::string refusal(const std::string& bytes, const ForeignOptions& options = {}) {
-  try {
-    read(bytes, options);
-  } catch (const FileError& error) {
-    return error.what();
-  }
-  return "no error";
+  return test::refusal<FileError>([&] { read(bytes, options); });
 }
 
 /// Each drop's intervals shrink by kEps.
@@ -353,12 +349,8 @@ TEST(ForeignTable, OfSeveralBallsIsRefused) {
   EXPECT_THAT(refusal("Ball 1 (Material),time (s)\n1,1.0\n1,1.4\n2,5.0\n2,5.5\n"), HasSubstr("one ball on one floor"));
   EXPECT_EQ(read("floor type;time (s)\nwood;1.0\n;1.4\nWood;1.7\n").size(), 3U);
   EXPECT_EQ(read("time (s);ball\n1.0;0.01\n1.4;0.02\n1.7;0.01\n").size(), 3U) << "where it was";
-  try {
-    samples_from_foreign(read_foreign_table("ball;v;e\na;1.2;0.8\nb;1.1;0.7\n", "x"), "x", {});
-    FAIL() << "two balls were taken for one";
-  } catch (const FileError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("'b' follows 'a'"));
-  }
+  const ForeignTable two = read_foreign_table("ball;v;e\na;1.2;0.8\nb;1.1;0.7\n", "x");
+  EXPECT_THAT(test::refusal<FileError>([&] { samples_from_foreign(two, "x", {}); }), HasSubstr("'b' follows 'a'"));
 }
 
 TEST(ForeignTable, OfTimesInNoOrderIsRefused) {
@@ -399,12 +391,7 @@ TEST(ForeignTable, OfSpeedsAndCoefficientsIsFoundByItsTitlesOrTold) {
   EXPECT_EQ(samples("drop;impact;v_mps;eps\n0;1;1,2;0,8\n1;3;1,0;0,8\n")[1].drop, 1);
   EXPECT_EQ(samples("drop;impact;v_mps;eps\n0;1;1,2;0,8\n1;3;1,0;0,8\n")[1].impact, 3);
   EXPECT_EQ(samples("drop;v_mps;eps\nfirst;1,2;0,8\nsecond;1,0;0,8\n").size(), 2U);
-  try {
-    samples("v;e\n1.2;89\n1.0;90\n0.8;91\n");
-    FAIL() << "per cent were taken";
-  } catch (const FileError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("per cent"));
-  }
+  EXPECT_THAT(test::refusal<FileError>([&] { samples("v;e\n1.2;89\n1.0;90\n0.8;91\n"); }), HasSubstr("per cent"));
 }
 
 TEST(DecodedText, NamesWhatItIsNot) {

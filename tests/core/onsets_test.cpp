@@ -10,6 +10,7 @@
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/impacts.hpp"
 #include "bouncelab/core/random.hpp"
+#include "support/refusal.hpp"
 
 namespace bouncelab {
 namespace {
@@ -110,16 +111,6 @@ TEST(Onsets, BareTimesAreOneDropNumberedInOrder) {
   EXPECT_EQ(onsets[2].impact, 2);
 }
 
-TEST(Onsets, TimesThatGoBackAreNamedByLine) {
-  const Table table{{{"t_s", std::vector<double>{0.1, 0.3, 0.2}}}};
-  try {
-    onsets_from_table(table, "times.csv");
-    FAIL() << "unsorted times were accepted";
-  } catch (const FileError& error) {
-    EXPECT_THAT(error.what(), testing::HasSubstr("times.csv: row 3, column t_s"));
-  }
-}
-
 TEST(Onsets, ANewDropMayStartAtAnEarlierTime) {
   const Table table{{{"drop", std::vector<std::int64_t>{0, 0, 1}}, {"t_s", std::vector<double>{0.1, 0.3, 0.2}}}};
   EXPECT_EQ(onsets_from_table(table, "t.csv").size(), 3u);
@@ -132,17 +123,11 @@ TEST(DropsInTurn, AreRowsThatStandTogetherInTheirOrderAndOnce) {
   };
   const Table whole = table({"a", "a", "a", "b"}, {0, 0, 3, 0}, {0, 4, 0, 2});
   EXPECT_NO_THROW(DropsInTurn().check(whole, "t.csv"));
-  for (const Table& wrong : {table({"a", "a", "a"}, {0, 1, 0}, {0, 0, 1}),     // two balls in the order of time
-                             table({"a", "b", "a"}, {0, 0, 0}, {0, 0, 1}),     // sorted by something else
-                             table({"a", "a", "a"}, {0, 0, 0}, {0, 1, 1})}) {  // a row twice
-    try {
-      DropsInTurn().check(wrong, "t.csv");
-      FAIL() << "accepted";
-    } catch (const FileError& error) {
-      EXPECT_THAT(error.what(), testing::HasSubstr("t.csv: row 3: "));
-      EXPECT_THAT(error.what(), testing::HasSubstr("sort the table"));
-    }
-  }
+  for (const Table& wrong : {table({"a", "a", "a"}, {0, 1, 0}, {0, 0, 1}),   // two balls in the order of time
+                             table({"a", "b", "a"}, {0, 0, 0}, {0, 0, 1}),   // sorted by something else
+                             table({"a", "a", "a"}, {0, 0, 0}, {0, 1, 1})})  // a row twice
+    EXPECT_THAT(test::refusal<FileError>([&] { DropsInTurn().check(wrong, "t.csv"); }),
+                testing::AllOf(testing::HasSubstr("t.csv: row 3: "), testing::HasSubstr("sort the table")));
   DropsInTurn in_pieces;
   in_pieces.check(whole, "t.csv");
   EXPECT_NO_THROW(in_pieces.check(table({"b"}, {0}, {3}), "t.csv"));

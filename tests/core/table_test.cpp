@@ -15,6 +15,7 @@
 #include "bouncelab/core/onsets.hpp"
 #include "bouncelab/core/restitution_law.hpp"
 #include "bouncelab/core/samples.hpp"
+#include "support/refusal.hpp"
 
 namespace bouncelab {
 namespace {
@@ -57,12 +58,7 @@ TEST(Table, RowsOfAnotherTableArePutBelowThoseOfTheSameColumnsOnly) {
 template <class Read>
 std::string message_of(const std::string& csv, const std::vector<ColumnSpec>& columns, Read read) {
   std::istringstream in(csv);
-  try {
-    read(read_csv(in, "a.csv", columns));
-  } catch (const FileError& error) {
-    return error.what();
-  }
-  return "no error";
+  return test::refusal<FileError>([&] { read(read_csv(in, "a.csv", columns)); });
 }
 
 std::string of_onsets(const std::string& csv) {

@@ -2,7 +2,6 @@
 // The tables of docs/formats.md that descriptions hold: between "<!-- of LawFit -->" and "<!-- end -->" stands what the
 // members of LawFit say, behind "<!-- columns of Onset -->" what the columns of a table of onsets are.
 // BOUNCELAB_WRITE_DOCS=1 in the environment writes the page instead of comparing it.
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What an interval holds (docs/physics.md, 9): drag and contact, taken out where they are known.
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -103,7 +102,11 @@ TEST(AtThePlate, DragAndContactOfANamedBallAreTakenOut) {
     config.plate = kGlass;
     config.drop_height_m = 0.1;
     const Onsets onsets = times_of(*config.ball, ball_law, true, true);
-    const RestitutionSamples raw = restitution_samples(onsets, config).samples, at = at_the_plate(raw);
+    RestitutionSamples raw = restitution_samples(onsets, config).samples, more = raw;
+    for (std::size_t k = 0; k < raw.size(); ++k) raw[k].sigma_eps = 1e-5, more[k].eps += 1e-5;
+    const RestitutionSamples at = at_the_plate(raw), at_more = at_the_plate(more);
+    for (std::size_t k = 0; k < raw.size(); ++k)  // to 1e-3: of drag, 1e-2, the next power
+      EXPECT_NEAR(*at[k].sigma_eps, at_more[k].eps - at[k].eps, 1e-8) << name << " " << raw[k].v_mps;
     ASSERT_EQ(at.size(), onsets.size() - 1);  // the first impact counts
     EXPECT_GT(worst_error(raw, ball_law), raw_error) << name;
     // kappa is that of one speed in each flight: a twentieth of what drag does, as C_d changes along it

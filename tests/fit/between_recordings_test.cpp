@@ -6,7 +6,6 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
-#include <algorithm>
 #include <cmath>
 #include <string>
 #include <vector>
@@ -280,8 +279,13 @@ TEST(CompareCampaign, NamesOutliersAndLeavesThemOut) {
   ASSERT_EQ(before.n_outliers, 0u);
   for (const std::size_t bad : {std::size_t{11}, std::size_t{40}})
     for (double& eps : recordings[bad].summary.eps) eps += 4e-3;  // thirteen tau
+  recordings[0].summary.n_left_out = 1;
+  recordings[0].summary.n_outliers = 2;  // samples
   const BetweenRecordings found = compare_campaign(recordings);
   EXPECT_EQ(found.n_outliers, 2u);
+  const Table table = to_table(found, recordings);
+  EXPECT_EQ(table.integers("n_left_out")->at(0), 1);
+  EXPECT_EQ(table.integers("n_outliers")->at(0), 2);
   EXPECT_TRUE(found.rows[11].is_outlier);
   EXPECT_TRUE(found.rows[40].is_outlier);
   EXPECT_GT(found.rows[40].standardised, 8.0);

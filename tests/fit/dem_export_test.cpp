@@ -5,8 +5,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
-#include <cstdio>
 #include <string>
 
 #include "bouncelab/core/restitution_law.hpp"
@@ -112,6 +110,11 @@ TEST(DemExport, ContactIsHertzAndDampingEndsWhereTheCodesEndIt) {
   const double e = 1.0 / ((1 - 0.09) / 200e9 + (1 - 0.22 * 0.22) / 70e9);
   EXPECT_NEAR(contact.k_n_pa / (4.0 / 3.0 * e), 1.0, 1e-3);  // 2.943 has four digits
   EXPECT_NEAR(contact.youngs_modulus_pa / (2 * 0.91 * e), 1.0, 1e-3);
+  const std::string mercury = find(exported(fit_law(viscoelastic_samples(), {})), "MercuryDPM", "constant")->text;
+  const std::string shear = "setEffectiveShearModulus(";
+  // 1/G* = 2 (2 - nu)/G of two alike, G = E/(2 (1 + nu)); eight digits are written
+  EXPECT_NEAR(std::stod(mercury.substr(mercury.find(shear) + shear.size())) * 4 * 1.3 * 1.7 / contact.youngs_modulus_pa,
+              1.0, 1e-7);
   EXPECT_NEAR(damping_to_parting(0.5), 0.481769, 1e-6);  // sqrt(5) ln 2/sqrt(ln^2 2 + pi^2)
   EXPECT_LT(damping_to_last_force(0.98), 1.005 * damping_to_parting(0.98));
   EXPECT_GT(damping_to_last_force(0.98), damping_to_parting(0.98));

@@ -4,9 +4,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <cmath>
-
 #include "bouncelab/core/random.hpp"
 #include "support/statistics.hpp"
 #include "synthetic_samples.hpp"

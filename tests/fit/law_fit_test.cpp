@@ -235,13 +235,6 @@ TEST(LawFit, DoesNotChangeWithTheOrderOfSamples) {
   EXPECT_EQ(fit.parameters[0].estimate.value, again.parameters[0].estimate.value);
 }
 
-TEST(LawFit, OfTwoSamplesIsTooFew) {
-  const auto fit = fit_law(independent_samples({}, 2, 0.2, 1.4, 0.0), {});
-  EXPECT_EQ(fit.status, FitStatus::too_few_samples);
-  EXPECT_TRUE(fit.parameters.empty());
-  EXPECT_FALSE(fit.loglik);
-}
-
 TEST(LawFit, OfFewSamplesGivesTheLawTheyCanTell) {
   for (const std::size_t n : {3u, 4u, 5u, 7u, 8u}) {
     const auto fit = fit_law(testing::few_samples(testing::FewScatter::normal, n, 1), {});

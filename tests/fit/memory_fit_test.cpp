@@ -3,11 +3,9 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 
 #include "bouncelab/core/error.hpp"
-#include "bouncelab/core/parallel.hpp"
 #include "support/sanitizers.hpp"
 #include "synthetic_samples.hpp"
 
@@ -171,23 +169,6 @@ TEST(MemoryFit, WithOneConstantAndWithGamma) {
   EXPECT_EQ(fit.parameters[0].name, "gamma");
   // the gamma that reproduces the paper's fit to 3.7e-4 rms of 1 - eps = .02
   EXPECT_NEAR(fit.parameters[0].estimate.value, 0.02072, 0.02 * 0.02072);
-}
-
-TEST(MemoryFit, ResultDoesNotDependOnTheThreads) {
-  const RestitutionSamples samples = rough_drops({4, 40}, 5);
-  const LawFit independent = fit_law(samples, {});
-  MemoryFitConfig config;
-  config.n_draws = 300;  // of 60 too few may count
-  config.n_goodness = 3;
-  MemoryFit one, many;
-  with_threads(1, [&] { one = fit_memory(samples, independent, config); });
-  with_threads(3, [&] { many = fit_memory(samples, independent, config); });
-  ASSERT_EQ(one.status, FitStatus::ok) << one.message;
-  ASSERT_EQ(many.status, FitStatus::ok);
-  EXPECT_EQ(one.loglik, many.loglik);
-  ASSERT_EQ(one.nodes.size(), many.nodes.size());
-  for (std::size_t k = 0; k < one.nodes.size(); ++k) EXPECT_EQ(one.nodes[k].eps.value, many.nodes[k].eps.value);
-  EXPECT_EQ(one.anderson_darling->p_value, many.anderson_darling->p_value);
 }
 
 TEST(MemoryFit, SaysWhatItNeeds) {

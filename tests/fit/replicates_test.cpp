@@ -87,6 +87,16 @@ TEST(Bootstrap, ByDropSeesWhatDropsHaveInCommon) {
   EXPECT_GT(fit.nodes.at(0).eps.bootstrap->se, 2.0 * *fit.nodes.at(0).eps.se_independent);
 }
 
+TEST(Bootstrap, IntervalsAreQuantilesOfTheReplicates) {
+  std::vector<double> values;
+  for (int k = 0; k <= 1000; ++k) values.push_back(k);
+  const BootstrapErrors errors = bootstrap_errors(values);
+  // between neighbours in proportion; rounding
+  for (const auto& [found, expected] :
+       {std::pair{errors.ci95.lo, 25.0}, {errors.ci95.hi, 975.0}, {errors.ci68.lo, 158.66}, {errors.ci68.hi, 841.34}})
+    EXPECT_NEAR(found, expected, 1e-9);
+}
+
 TEST(Bootstrap, OfOneDropIsNotPretended) {
   auto samples = independent_samples({}, 300, 0.2, 1.4, 0.0);
   for (auto& s : samples) s.drop = 0;

@@ -2,7 +2,6 @@
 // make_seeds FOLDER: writes inputs that the fuzzers begin with, by the library's own writers, as FOLDER/TARGET/NAME.
 #include <sndfile.h>
 
-#include <array>
 #include <cmath>
 #include <filesystem>
 #include <fstream>

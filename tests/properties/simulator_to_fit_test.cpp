@@ -2,7 +2,6 @@
 // The modules sim and fit against each other: the simulator's times, disturbed and not, give back the law that went in.
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 
 #include "bouncelab/core/random.hpp"

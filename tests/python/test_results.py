@@ -204,6 +204,11 @@ class Tables(Case):
             file.write("a;b\n1,2;0,85\n1,0;0,86\n")
         np.testing.assert_allclose(bl.Samples.from_csv(self.path("v.csv"), columns="v=a,eps=b").eps, [0.85, 0.86])
 
+    def test_the_sound_shown_is_that_of_the_channel_with_the_ball(self):
+        sound = small_sound(bl, small_impacts(bl, drops=1))
+        onsets = bl.detect(np.stack([np.zeros_like(sound.samples), sound.samples], axis=1), sound.rate)
+        self.assertGreater(max(json.loads(onsets._wave_json())["envelope"]["hi"]), 0.1)
+
     def test_the_message_says_what_was_found(self):
         self.assertRegex(self.onsets.message, "180 impacts in 6 drops")
 

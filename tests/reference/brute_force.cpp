@@ -3,7 +3,6 @@
 
 #include <array>
 #include <cmath>
-#include <utility>
 
 namespace bouncelab::sim::reference {
 namespace {

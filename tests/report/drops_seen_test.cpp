@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <random>
 
 #include "bouncelab/core/ball.hpp"
@@ -36,6 +35,13 @@ TEST(DropsSeen, TellTheHeightOfTheReleaseTheImpactsAndHowLongTheyLast) {
   EXPECT_LT(seen.drop_height_ci95_m->hi - seen.drop_height_ci95_m->lo, 0.12e-3);
   const Onsets onsets = onsets_of(drop);
   EXPECT_NEAR(*seen.duration_s, onsets.back().t_s - onsets.front().t_s, 1e-9);
+}
+
+TEST(DropsSeen, LastSecondsMinutesOrHours) {
+  for (const auto& [t_s, words] : {std::pair{100.0, " in 100 s."}, {3000.0, " in 50 min."}, {10800.0, " in 3.0 h."}}) {
+    const double v_mps = 0.5 * kG * t_s * 0.1 / 0.9 / (1.0 - std::pow(0.9, 19));  // nineteen flights of 2 eps^k v/g
+    EXPECT_THAT(sentence_of_drops(samples_of({.height_m = 0.5 * v_mps * v_mps / kG})), ::testing::EndsWith(words));
+  }
 }
 
 TEST(DropsSeen, TakeTheDragOfANamedBallIntoAccount) {

@@ -94,17 +94,6 @@ TEST(Collide, FrictionlessImpactNeverCreatesEnergyAndDissipatesTheClosedForm) {
   }
 }
 
-TEST(Collide, PaperRuleCanCreateEnergyWithSpin) {
-  const Ball ball;
-  int n_created = 0;
-  for (std::uint64_t k = 0; k < 200; ++k) {
-    const auto [lever, before] = random_approach(k);
-    const Motion after = collide(ball, ConstantLaw{1.0}, PaperContact{}, lever, before).after;
-    n_created += impact_energy(ball, before, after).created_j > 0.0 ? 1 : 0;
-  }
-  EXPECT_GT(n_created, 20);  // docs/physics.md: beta = 1 is not frictionless
-}
-
 TEST(Collide, CoulombSlidesByTheConeAndSticksBelowIt) {
   const Ball ball;
   const Vector3 lever{0, 0, -ball.radius_m};

@@ -107,16 +107,6 @@ TEST(FirstContact, OfASpinningBallThatGrazesAgreesWithBruteForce) {
   }
 }
 
-TEST(FirstContact, OfASmoothBallIsTheClosedFormOfTheParabola) {
-  const Ball ball;
-  const Envelope envelope(ball, Surface{});
-  BallState start;
-  start.clearance_m = 0.1;
-  const FirstContact contact = find_first_contact(ball, envelope, start, {0, 0, -9.81}, std::nullopt);
-  EXPECT_EQ(contact.asperity, -1);
-  EXPECT_NEAR(contact.dt_s, std::sqrt(2 * 0.1 / 9.81), 1e-15);  // rounding of 0.14
-}
-
 TEST(FirstContact, IsEarlierByTheHeightOfTheAsperityBelow) {
   const Ball ball;
   const Surface surface{{{{0, 0, -1}, 3e-6}}};

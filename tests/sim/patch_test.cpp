@@ -4,9 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <vector>
 
-#include "bouncelab/core/error.hpp"
 #include "bouncelab/core/random.hpp"
 #include "bouncelab/sim/experiment.hpp"
 

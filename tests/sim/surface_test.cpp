@@ -7,6 +7,7 @@
 
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/error.hpp"
+#include "support/refusal.hpp"
 
 namespace bouncelab::sim {
 namespace {
@@ -108,12 +109,8 @@ TEST(Surface, BadRowsAreNamed) {
                  {"uy", std::vector<double>{0, 0}},
                  {"uz", std::vector<double>{0, 0}},
                  {"radius_m", std::vector<double>{1e-6, radius_m}}}};
-    try {
-      surface_from_table(table, "s.csv", Ball{});
-      ADD_FAILURE() << "accepted " << ux << ", " << radius_m;
-    } catch (const FileError& error) {
-      EXPECT_NE(std::string(error.what()).find("row 2"), std::string::npos) << error.what();
-    }
+    const std::string message = test::refusal<FileError>([&] { surface_from_table(table, "s.csv", Ball{}); });
+    EXPECT_NE(message.find("row 2"), std::string::npos) << message << ": " << ux << ", " << radius_m;
   };
   refuse(0.0, 1e-6);
   refuse(NAN, 1e-6);

@@ -14,14 +14,15 @@
 #include <string>
 
 #include "bouncelab/audio/audio_writer.hpp"
-#include "bouncelab/core/error.hpp"
 #include "bouncelab/core/onsets.hpp"
+#include "support/refusal.hpp"
 #include "support/temporary_folder.hpp"
 
 namespace bouncelab::audio {
 namespace {
 
 namespace fs = std::filesystem;
+using test::refusal;
 
 /// Two drops with all that an onset can have, and numbers that need every digit.
 Onsets some_onsets() {
@@ -55,17 +56,6 @@ void expect_same(const Onsets& a, const Onsets& b) {
     EXPECT_EQ(a[k].flags, b[k].flags);
     EXPECT_EQ(a[k].probability, b[k].probability);
   }
-}
-
-/// The message of the Error that a call ends with; empty where it ends well.
-template <class Call>
-std::string refusal(const Call& call) {
-  try {
-    call();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
 }
 
 TEST(Annotations, ShortLabelsFitAndAreCompletedByTheOnsets) {
@@ -114,12 +104,15 @@ TEST(Annotations, TextFormatsGiveBackEveryBit) {
   EXPECT_EQ(from_grid.front().recording, onsets.front().recording);
 }
 
-TEST(Annotations, AnEditorThatRoundsToItsOwnResolutionLosesNothing) {
+TEST(Annotations, AnEditorThatRoundsToItsOwnResolutionLosesNothingAndMovesMarksByAStepOfIt) {
   const Onsets onsets = some_onsets();
   Annotations annotations = annotations_of(onsets);
   for (Annotation& point : annotations.points) point.t_s = std::round(point.t_s * 1e6) / 1e6;  // what Audacity writes
   annotations.resolution_s = 1e-6;
   expect_same(onsets_of(annotations, false, "marks"), onsets);
+  for (std::size_t k = 0; k < onsets.size(); ++k) annotations.points[k].t_s += k % 2 == 0 ? 1e-6 : -1e-6;
+  for (const Onset& moved : onsets_of(annotations, false, "marks"))
+    EXPECT_TRUE(moved.flags == Flags{Flag::by_hand} && !moved.sigma_t_s) << moved.impact;
 }
 
 TEST(Annotations, AMarkThatWasMovedOrMadeCountsAsItStands) {

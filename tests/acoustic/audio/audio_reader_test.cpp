@@ -22,12 +22,20 @@
 #include "bouncelab/core/parallel.hpp"
 #include "io/sound_decoder.hpp"
 #include "support/places.hpp"
+#include "support/refusal.hpp"
 #include "support/temporary_folder.hpp"
 
 namespace bouncelab::audio {
 namespace {
 
 using ::testing::HasSubstr;
+
+/// The whole of one channel.
+std::vector<float> channel_of(AudioReader& reader, int channel) {
+  std::vector<float> all(static_cast<std::size_t>(reader.format().n_frames));
+  reader.read(0, channel, all);
+  return all;
+}
 
 class AudioReaderTest : public ::testing::Test {
  protected:
@@ -56,14 +64,10 @@ class AudioReaderTest : public ::testing::Test {
   }
 
   static std::string message_of(const std::filesystem::path& path) {
-    try {
+    return test::refusal<FileError>([&] {
       AudioReader reader(path);
-      std::vector<float> all(static_cast<std::size_t>(reader.format().n_frames));
-      reader.read(0, 0, all);
-    } catch (const FileError& error) {
-      return error.what();
-    }
-    return "accepted";
+      channel_of(reader, 0);
+    });
   }
 
   test::TemporaryFolder folder_;
@@ -136,20 +140,12 @@ TEST_F(AudioReaderTest, ReadsTheSamplesAndTheFormatThatLibsndfileFinds) {
       EXPECT_EQ(reader.format().rate_hz, 48000.0);
       ASSERT_EQ(reader.format().n_frames, 40001);
       for (int channel = 0; channel < kChannels; ++channel) {
-        std::vector<float> got(40001);
-        reader.read(0, channel, got);
+        const std::vector<float> got = channel_of(reader, channel);
         for (std::size_t k = 0; k < got.size(); ++k)
           ASSERT_EQ(got[k], expected[k * kChannels + static_cast<std::size_t>(channel)])
               << reader.format().description << ", sample " << k;
       }
     }
-}
-
-/// The whole of one channel.
-std::vector<float> channel_of(AudioReader& reader, int channel) {
-  std::vector<float> all(static_cast<std::size_t>(reader.format().n_frames));
-  reader.read(0, channel, all);
-  return all;
 }
 
 /// The whole of a mono file by libsndfile itself, in the pieces in which it is decoded here.
@@ -237,7 +233,7 @@ TEST_F(AudioReaderTest, GivesUpAFileThatLibsndfileReadsForEverAndReadsTheOthers)
   EXPECT_EQ(channel_of(before, 1), expected);
   AudioReader after(flac);
   EXPECT_EQ(channel_of(after, 1), expected);
-  EXPECT_EQ(message_of(wav), "accepted");
+  EXPECT_EQ(message_of(wav), "no error");
 }
 
 TEST_F(AudioReaderTest, ReadsPlainSamplesWhateverChunksFollowThem) {

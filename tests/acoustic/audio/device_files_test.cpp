@@ -3,7 +3,6 @@
 // sample.
 #include <gtest/gtest.h>
 
-#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <sstream>

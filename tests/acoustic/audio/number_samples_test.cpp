@@ -6,7 +6,6 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <optional>
@@ -14,7 +13,7 @@
 #include <vector>
 
 #include "bouncelab/audio/audio_reader.hpp"
-#include "bouncelab/core/error.hpp"
+#include "support/refusal.hpp"
 #include "support/temporary_folder.hpp"
 
 namespace bouncelab::audio {
@@ -42,12 +41,7 @@ class NumberSamples : public ::testing::Test {
     return AudioReader(write(content), rate_hz);
   }
   std::string error_of(const std::string& content, std::optional<double> rate_hz = std::nullopt) {
-    try {
-      reader_of(content, rate_hz);
-    } catch (const Error& error) {
-      return error.what();
-    }
-    return "accepted";
+    return test::refusal([&] { reader_of(content, rate_hz); });
   }
   static void expect_samples(AudioReader& reader, double rate_hz, int n_channels, std::int64_t n, double step) {
     EXPECT_EQ(reader.format().rate_hz, rate_hz);

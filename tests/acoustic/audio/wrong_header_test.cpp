@@ -5,9 +5,7 @@
 #include <gtest/gtest.h>
 #include <sndfile.h>
 
-#include <cmath>
 #include <cstdint>
-#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <string>

@@ -9,7 +9,6 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <numeric>
 
 #include "bouncelab/core/table.hpp"
 #include "bouncelab/detection/detect.hpp"

@@ -2,7 +2,6 @@
 // The kernels of the detector's timing, one by one.
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <span>

@@ -6,7 +6,6 @@
 #include <sndfile.h>
 
 #include <algorithm>
-#include <cmath>
 #include <fstream>
 #include <limits>
 
@@ -15,6 +14,7 @@
 #include "bouncelab/core/table.hpp"
 #include "bouncelab/synthesis/synthetic_recording.hpp"
 #include "few_impacts.hpp"
+#include "support/refusal.hpp"
 #include "support/temporary_folder.hpp"
 
 namespace bouncelab::synthesis {
@@ -194,12 +194,7 @@ TEST_F(SynthesizeFile, ARateTooLowForTheModesSaysWhichAreLeftOut) {
 }
 
 std::string refusal(const Impacts& what, const SynthesisConfig& config) {
-  try {
-    SyntheticRecording recording(what, config);
-  } catch (const InvalidArgument& error) {
-    return error.what();
-  }
-  return "";
+  return test::refusal<InvalidArgument>([&] { SyntheticRecording recording(what, config); });
 }
 
 TEST(SynthesisBadInput, IsRefusedByNameAndValue) {

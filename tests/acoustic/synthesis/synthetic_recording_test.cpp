@@ -1,14 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bouncelab/synthesis/synthetic_recording.hpp"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <complex>
-#include <iterator>
-#include <limits>
 
 #include "bouncelab/audio/audio_writer.hpp"
 #include "bouncelab/core/ball.hpp"
@@ -283,7 +280,7 @@ TEST(Synthesis, TheTimbreChangesAsTheBallWanders) {
   EXPECT_NEAR(1e6 * 0.01 / rayleigh_speed_mps(kGlass), 3.25, 0.1) << "3 to 5 us per cm (docs/physics.md)";
 }
 
-TEST(Synthesis, DisturbancesAreThereAndLeaveTheTruthAlone) {
+TEST(Synthesis, DisturbancesAreThereAtTimesOfTheSeedAndLeaveTheTruthAlone) {
   SynthesisConfig config = quiet();
   config.snr_db = 40.0;
   config.pause_s = 3.0;
@@ -305,6 +302,16 @@ TEST(Synthesis, DisturbancesAreThereAndLeaveTheTruthAlone) {
   EXPECT_TRUE(plain.others().empty());
   EXPECT_EQ(rough.samples(), rough.samples());
   EXPECT_GT(rms(rough.samples()), rms(plain.samples()));
+  for (double Disturbances::*const one : {&Disturbances::clicks_per_s, &Disturbances::knocks_per_s,
+                                          &Disturbances::double_hit_fraction, &Disturbances::speech_per_s}) {
+    config.disturbances = {};
+    config.disturbances.*one = 1.0;
+    const auto first_s = [&](std::uint64_t seed) {
+      config.seed = seed;
+      return SyntheticRecording(three, config).others().at(0).t_s;
+    };
+    EXPECT_NE(first_s(1), first_s(2));
+  }
 }
 
 TEST(Synthesis, SpeechHasItsFormantsAndIsAsLoudAsSaid) {
@@ -416,6 +423,9 @@ TEST(Synthesis, EveryPresetSensorAndRateMakesASound) {
         }
         const SyntheticRecording recording(impacts({0.05}), config);
         EXPECT_NEAR(recording.truth()[0].amplitude, 0.5, 1e-12);
+        if (by_air) {  // in space at 343 m/s; rounding
+          EXPECT_NEAR(recording.truth()[0].travel_time_s, std::hypot(0.1, 0.1, 0.2) / 343.0, 1e-17);
+        }
         EXPECT_GT(rms(recording.samples()), 1e-3);
         EXPECT_EQ(recording.n_frames(), static_cast<std::int64_t>(std::ceil((0.1 + 0.05 + 0.05) * rate_hz - 1e-6)));
       }
