@@ -65,14 +65,14 @@ struct Place {
   bool in_loop = false;  ///< within a call of a loop of the pool
   bool alone = false;    ///< no other thread may help
 };
-thread_local Place place;
+thread_local Place this_place;
 
 class At {
  public:
-  explicit At(Place here) : before_(std::exchange(place, here)) {}
+  explicit At(Place here) : before_(std::exchange(this_place, here)) {}
   At(const At&) = delete;
   At& operator=(const At&) = delete;
-  ~At() { place = before_; }
+  ~At() { this_place = before_; }
 
  private:
   Place before_;
@@ -94,7 +94,7 @@ class Pool {
   }
 
   void run(Calls& calls) {
-    const bool outermost = !place.in_loop;
+    const bool outermost = !this_place.in_loop;
     const At here({this, true, false});
     if (outermost && helpers_.empty()) start_helpers();
     {
@@ -175,20 +175,20 @@ int resolved_threads(int n_threads) { return n_threads > 0 ? n_threads : n_cores
 void parallel_for(std::size_t n, int n_threads, const std::function<void(std::size_t)>& body) {
   Calls calls(n, body);
   with_threads(n_threads, [&] {
-    if (n <= 1 || place.alone)
+    if (n <= 1 || this_place.alone)
       calls.make();
     else
-      place.pool->run(calls);
+      this_place.pool->run(calls);
   });
   calls.rethrow();
 }
 
 void with_threads(int n_threads, const std::function<void()>& work) {
-  if (place.alone) return work();
-  if (n_threads != 1 && place.pool != nullptr) return work();
+  if (this_place.alone) return work();
+  if (n_threads != 1 && this_place.pool != nullptr) return work();
   const int n = resolved_threads(n_threads);
   if (n == 1) {
-    const At here({place.pool, place.in_loop, true});
+    const At here({this_place.pool, this_place.in_loop, true});
     return work();
   }
   Pool pool(n);

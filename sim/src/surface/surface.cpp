@@ -34,15 +34,15 @@ bool is_good(const LognormalRadii& law) {
 bool is_good(const ExponentialRadii& law) { return law.mean > 0.0 && law.mean < 1.0; }
 
 /// Name and the two parameters by address: one description for reading and writing.
-struct Description {
+struct SurfaceText {
   const char* name;
   std::vector<double*> parameters;
 };
-Description describe(ConstantRadii& law) { return {"constant", {&law.radius}}; }
-Description describe(UniformRadii& law) { return {"uniform", {&law.lo, &law.hi}}; }
-Description describe(NormalRadii& law) { return {"normal", {&law.mean, &law.sd}}; }
-Description describe(LognormalRadii& law) { return {"lognormal", {&law.median, &law.sigma}}; }
-Description describe(ExponentialRadii& law) { return {"exponential", {&law.mean}}; }
+SurfaceText describe(ConstantRadii& law) { return {"constant", {&law.radius}}; }
+SurfaceText describe(UniformRadii& law) { return {"uniform", {&law.lo, &law.hi}}; }
+SurfaceText describe(NormalRadii& law) { return {"normal", {&law.mean, &law.sd}}; }
+SurfaceText describe(LognormalRadii& law) { return {"lognormal", {&law.median, &law.sigma}}; }
+SurfaceText describe(ExponentialRadii& law) { return {"exponential", {&law.mean}}; }
 
 std::vector<std::string_view> split(std::string_view text) {
   std::vector<std::string_view> parts;
@@ -60,7 +60,7 @@ std::vector<std::string_view> split(std::string_view text) {
                         "exponential:MEAN, radii in units of the ball's radius, between 0 and 1");
 }
 
-void read_parameters(const Description& law, std::string_view parameters, std::string_view text) {
+void read_parameters(const SurfaceText& law, std::string_view parameters, std::string_view text) {
   const auto parts = split(parameters);
   if (parts.size() != law.parameters.size()) refuse(text);
   for (std::size_t k = 0; k < parts.size(); ++k) {
@@ -81,7 +81,7 @@ RadiusLaw radius_law_from_text(std::string_view text) {
   const std::string_view name = text.substr(0, colon);
   for (RadiusLaw law : {RadiusLaw{ConstantRadii{}}, RadiusLaw{UniformRadii{}}, RadiusLaw{NormalRadii{}},
                         RadiusLaw{LognormalRadii{}}, RadiusLaw{ExponentialRadii{}}}) {
-    const Description description = std::visit([](auto& l) { return describe(l); }, law);
+    const SurfaceText description = std::visit([](auto& l) { return describe(l); }, law);
     if (name != description.name) continue;
     if (colon != std::string_view::npos) read_parameters(description, text.substr(colon + 1), text);
     if (!std::visit([](const auto& l) { return is_good(l); }, law)) refuse(text);
@@ -92,7 +92,7 @@ RadiusLaw radius_law_from_text(std::string_view text) {
 
 std::string to_text(const RadiusLaw& law) {
   RadiusLaw copy = law;
-  const Description description = std::visit([](auto& l) { return describe(l); }, copy);
+  const SurfaceText description = std::visit([](auto& l) { return describe(l); }, copy);
   std::string text = description.name;
   char buffer[32];
   for (std::size_t k = 0; k < description.parameters.size(); ++k) {

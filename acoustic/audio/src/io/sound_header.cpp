@@ -349,8 +349,9 @@ std::optional<std::int64_t> second_in_chunks(SoundBytes& bytes, Kind kind) {
   for (int n = 0; n < kMostChunks; ++n) {
     const std::optional<Chunk> chunk = chunk_at(bytes, layout, next);
     if (!chunk || chunk->length > static_cast<std::uint64_t>(bytes.size())) return std::nullopt;
-    constexpr std::array<std::string_view, 6> kSound{"RIFF", "RF64", "riff", "FORM", "data", "SSND"};
-    if (chunk->length > 0 && std::find(kSound.begin(), kSound.end(), chunk->name) != kSound.end()) return next;
+    constexpr std::array<std::string_view, 6> kSoundChunks{"RIFF", "RF64", "riff", "FORM", "data", "SSND"};
+    if (chunk->length > 0 && std::find(kSoundChunks.begin(), kSoundChunks.end(), chunk->name) != kSoundChunks.end())
+      return next;
     next = layout.next(chunk->begin, static_cast<std::int64_t>(chunk->length));
   }
   return std::nullopt;
