@@ -130,11 +130,11 @@ std::optional<KindsOfDrops> two_kinds_of_drops(const RestitutionSamples& samples
 }
 
 std::optional<DifferenceOfDrops> difference_of_drops(const RestitutionSamples& samples) {
-  constexpr std::size_t kFewestDrops = 3;
+  constexpr std::size_t kFewestToDiffer = 3;
   constexpr double kByChance = 1e-4;  // of normal scatter; that of a rough ball has tails
   constexpr double kOfLoss = 0.05;    // beyond the curvature of a law, where drops are from two heights
   std::vector<Drop> drops = drops_of(samples);
-  if (drops.size() < kFewestDrops) return {};
+  if (drops.size() < kFewestToDiffer) return {};
   const Scatter scatter = bring_to_one_speed(drops);
   std::vector<double> means, eps, ln_v;
   double n_samples = 0.0, within = 0.0;  // sum of squares about the means
