@@ -294,7 +294,7 @@ describe('the page', {skip: missing ?? false}, () => {
     await page.waitForFunction(() => /smooth sphere/.test(document.getElementById('scatter-caption').textContent));
     assert.equal(await page.$('#scatter-plots .truth'), null);
     await page.$eval('#simulate-seed', node => { node.value = '0'; });
-    assert.match(await answered(page, () => page.click('#simulate-run')), /has to be a number from 1 to/);
+    assert.match(await answered(page, () => page.click('#simulate-run')), /has to be a whole number from 1 to/);
     await page.click('#way-simulate');
   });
 
