@@ -20,18 +20,18 @@ namespace {
 namespace fs = std::filesystem;
 
 const std::vector<std::string> kOutputsOfThePaper{"impacts.csv",
-                                        "truth.csv",
-                                        "onsets.csv",
-                                        "samples.csv",
-                                        "samples_from_true_times.csv",
-                                        "fit.json",
-                                        "fit_from_true_times.json",
-                                        "fit_from_simulation.json",
-                                        "fit_smooth_ball.json",
-                                        "histograms.csv",
-                                        "paper.json",
-                                        "summary.json",
-                                        "report.html"};
+                                                  "truth.csv",
+                                                  "onsets.csv",
+                                                  "samples.csv",
+                                                  "samples_from_true_times.csv",
+                                                  "fit.json",
+                                                  "fit_from_true_times.json",
+                                                  "fit_from_simulation.json",
+                                                  "fit_smooth_ball.json",
+                                                  "histograms.csv",
+                                                  "paper.json",
+                                                  "summary.json",
+                                                  "report.html"};
 
 double peak_memory_bytes() {
   rusage usage{};

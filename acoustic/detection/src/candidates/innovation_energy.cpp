@@ -42,7 +42,8 @@ std::vector<double> InnovationEnergy::running(std::int64_t first, std::int64_t l
   std::vector<double> sums(static_cast<std::size_t>(last - first) + 1);
   const float* x = innovations_.data() + (first - first_hop_ * hop_);
   double sum = 0.0;
-  for (std::size_t k = 1; k < sums.size(); ++k, ++x) sums[k] = sum = sum + (static_cast<double>(energy_of(*x)) + floor_);
+  for (std::size_t k = 1; k < sums.size(); ++k, ++x)
+    sums[k] = sum = sum + (static_cast<double>(energy_of(*x)) + floor_);
   return sums;
 }
 
