@@ -5,9 +5,12 @@
 
 #include "averaged/averaged_curve.hpp"
 #include "bouncelab/core/elementary.hpp"
+#include "bouncelab/core/text.hpp"
 #include "bouncelab/fit/usable_samples.hpp"
+#include "curve/smooth_curve.hpp"
 #include "law/law_model.hpp"
 #include "law/law_search.hpp"
+#include "numerics/linalg.hpp"
 #include "restitution/air_and_contact.hpp"
 
 namespace bouncelab::fit {
@@ -60,68 +63,104 @@ void widen(Estimate& e, double se) {
   if (e.se_independent) *e.se_independent = hypot(*e.se_independent, se);
 }
 
-/// What drag and contact time leave open of a law: by fits with each a standard deviation to either side.
-class OpenByDragAndContact {
- public:
-  OpenByDragAndContact(const RestitutionSamples& raw, const AirAndContact& known, const DeviationEstimate& estimate,
-                       LawFitConfig config) {
-    config.intervals = IntervalMethod::covariance;
-    config.n_goodness = config.n_bootstrap = 0;
-    config.compare_laws = false;
-    const auto add = [&](Deviation sd) {
-      const auto& m = estimate.mean;
-      const auto moved = [&](double side) {
-        return fit_law(at_the_plate(raw, known, {m.ln_kappa + side * sd.ln_kappa, m.ln_tau + side * sd.ln_tau}),
-                       config);
-      };
-      sides_.push_back({moved(-1.0), moved(1.0)});
-    };
-    if (known.has_drag) add({estimate.sd.ln_kappa, 0.0});
-    if (known.has_contact) add({0.0, estimate.sd.ln_tau});
+/// Adds to a law what drag and contact time leave open. @param covariance  by that, of the law's values q
+/// @param law  a LawFit or a MemoryFit of the same form of law
+template <class Fit>
+void widen_law(Fit& law, const LawModel& model, const Eigen::VectorXd& q, const Eigen::MatrixXd& covariance) {
+  const auto variance_at = [&](double v_mps) {
+    const Eigen::VectorXd row = model.jacobian(std::vector{v_mps}, q).row(0).transpose();
+    return congruence(row, covariance)(0, 0);
+  };
+  for (NodeEstimate& node : law.nodes) widen(node.eps, std::sqrt(variance_at(node.v_mps)));
+  const Eigen::MatrixXd of_parameters = congruence(model.reported_jacobian(q).transpose(), covariance);
+  for (std::size_t i = 0; i < law.covariance.size(); ++i) {
+    const auto row = static_cast<Eigen::Index>(i);
+    widen(law.parameters[i].estimate, std::sqrt(of_parameters(row, row)));
+    for (std::size_t j = 0; j < law.covariance.size(); ++j)
+      law.covariance[i][j] += of_parameters(row, static_cast<Eigen::Index>(j));
   }
-  /// A LawFit or a MemoryFit of the same form of law.
-  template <class Fit>
-  void widen_law(Fit& law) const {
-    for (NodeEstimate& node : law.nodes)
-      widen(node.eps, open([&](const LawFit& f) { return f.law ? restitution(*f.law, node.v_mps) : NAN; }));
-    const auto parameter = [](std::size_t k) {
-      return [k](const LawFit& f) { return k < f.parameters.size() ? f.parameters[k].estimate.value : NAN; };
-    };
-    for (std::size_t k = 0; k < law.parameters.size(); ++k) widen(law.parameters[k].estimate, open(parameter(k)));
-    Matrix& covariance = law.covariance;
-    for (std::size_t i = 0; i < covariance.size(); ++i)
-      for (std::size_t j = 0; j < covariance.size(); ++j) covariance[i][j] += shared(parameter(i), parameter(j));
-    for (std::size_t i = 0; i < covariance.size(); ++i)
-      for (std::size_t j = 0; j < covariance.size(); ++j)
-        law.correlation[i][j] = i == j ? 1.0 : covariance[i][j] / std::sqrt(covariance[i][i] * covariance[j][j]);
-    for (CurvePoint& point : law.curve) {
-      Estimate e;
-      e.value = point.y;
-      e.se = point.se;
-      e.ci95 = point.band95;
-      widen(e, open([&](const LawFit& f) { return f.law ? restitution(*f.law, point.x) : NAN; }));
-      point.se = e.se;
-      point.band95 = e.ci95;
-    }
+  for (std::size_t i = 0; i < law.covariance.size(); ++i)
+    for (std::size_t j = 0; j < law.covariance.size(); ++j)
+      law.correlation[i][j] =
+          i == j ? 1.0 : law.covariance[i][j] / std::sqrt(law.covariance[i][i] * law.covariance[j][j]);
+  for (CurvePoint& point : law.curve) {
+    Estimate e;
+    e.value = point.y;
+    e.se = point.se;
+    e.ci95 = point.band95;
+    widen(e, std::sqrt(variance_at(point.x)));
+    point.se = e.se;
+    point.band95 = e.ci95;
   }
+}
 
- private:
-  template <class Of>
-  double open(Of of) const {
-    return std::sqrt(shared(of, of));
+/// Values q of a law that was fitted.
+Eigen::VectorXd values_of(const LawModel& model, const LawFit& fit) {
+  if (model.kind == LawKind::viscoelastic) return Eigen::VectorXd::Constant(1, log(fit.parameters[0].estimate.value));
+  if (model.kind == LawKind::constant) return Eigen::VectorXd::Constant(1, fit.parameters[0].estimate.value);
+  Eigen::VectorXd q(model.n_parameters());
+  for (Eigen::Index j = 0; j < q.size(); ++j)
+    q[j] = restitution(*fit.law, model.node_v_mps[static_cast<std::size_t>(j)]);
+  return q;
+}
+
+/// Whether the law describes the samples, and what drag and contact time leave open of it.
+void look_beside(const SmoothCurve& curve, LawFit& law, const LawFitConfig& config, MemoryFit* memory,
+                 const std::vector<double>& speeds_mps) {
+  if (!law.law || law.parameters.empty()) return;
+  const LawModel model = make_law_model(law.kind, config.orders, speeds_mps);
+  const Eigen::VectorXd q = values_of(model, law);
+  const LawBeside beside =
+      curve.beside(model, q, law.method == LawMethod::asymmetric_laplace ? law.scatter : std::nullopt);
+  law.misfit = beside.misfit;
+  const Eigen::MatrixXd covariance = congruence(beside.by_deviation.transpose(), curve.deviation_covariance());
+  widen_law(law, model, q, covariance);
+  if (memory) widen_law(*memory, model, q, covariance);
+}
+
+/// What is stated as the law's constants.
+Constants constants_of(const FitResult& result) {
+  const LawFit& law = result.law;
+  Constants constants{law.status, law.message, false, law.parameters, law.covariance, law.correlation};
+  if (memory_holds(result)) {
+    const MemoryFit& memory = *result.memory;
+    constants.with_memory = true;
+    constants.parameters = memory.parameters;
+    constants.covariance = memory.covariance;
+    constants.correlation = memory.correlation;
+    constants.message = not_identified_in_words(memory.parameters, memory.n);
+    constants.status = constants.message.empty() ? FitStatus::ok : FitStatus::not_identifiable;
   }
-  /// Of the covariance of two quantities.
-  template <class Of, class Other>
-  double shared(Of of, Other other) const {
-    double sum = 0.0;
-    for (const auto& [below, above] : sides_) {
-      const double product = 0.25 * (of(above) - of(below)) * (other(above) - other(below));
-      if (std::isfinite(product)) sum += product;
-    }
-    return sum;
+  if (law.misfit && law.misfit->ln_bayes_factor > kStrongBayesFactor) {
+    constants.status = FitStatus::not_applicable;
+    constants.message =
+        formatted("the law does not describe these bounces: at %.2g m/s ε is %.2g %s it (ln B = %.0f), and its "
+                  "constants mean nothing",
+                  law.misfit->v_mps, std::abs(law.misfit->off), law.misfit->off > 0.0 ? "above" : "below",
+                  law.misfit->ln_bayes_factor);
+    constants.parameters.clear();
+    constants.covariance.clear();
+    constants.correlation.clear();
   }
-  std::vector<std::pair<LawFit, LawFit>> sides_;
-};
+  return constants;
+}
+
+/// The curve's mean less what the density of the scatter has between mean and peak.
+std::vector<NodeEstimate> peaks_of(const Curve& curve, const LawFit& law) {
+  std::vector<NodeEstimate> peaks;
+  if (!law.scatter || law.method != LawMethod::asymmetric_laplace) return peaks;
+  for (NodeEstimate node : curve.mean) {
+    const double shift = -law.scatter->mean_minus_peak(node.v_mps);
+    node.eps.value += shift;
+    for (std::optional<Interval>* interval : {&node.eps.ci68, &node.eps.ci95})
+      if (*interval) (*interval)->lo += shift, (*interval)->hi += shift;
+    // each side is known as the mean of half of the samples
+    const double below = law.scatter->below(node.v_mps), above = law.scatter->above(node.v_mps);
+    widen(node.eps, hypot(below, above) / std::sqrt(0.5 * static_cast<double>(law.n)));
+    peaks.push_back(node);
+  }
+  return peaks;
+}
 
 FitResult fit_on_these_threads(const RestitutionSamples& samples, const FitConfig& config,
                                const ProgressCallback& progress) {
@@ -136,18 +175,30 @@ FitResult fit_on_these_threads(const RestitutionSamples& samples, const FitConfi
   const PartOfSamples part = usable_samples(samples, left_out);
   AirAndContact known = air_and_contact_of(*part);
   LawFitConfig main = config.law;
-  DeviationEstimate deviation;
-  if (known.is_open() || part->size() < kVeryMany) {
-    LawFitConfig first = main;
-    first.intervals = IntervalMethod::covariance;
-    const LawFit at_first = fit_law(at_the_plate(*part, known, {}), first);
-    for (const NodeEstimate& node : at_first.nodes)
-      if (config.law.node_speeds_mps.empty()) main.node_speeds_mps.push_back(node.v_mps);
-    result.averaged =
-        averaged_curve(*PartOfSamples(*part, at_first.outliers), known, config.law, main.node_speeds_mps, deviation);
-    if (deviation.is_ideal) known = worlds_of(known).back();
+  Deviation deviation;
+  std::optional<SmoothCurve> curve;
+  const bool was_open = known.is_open();
+  if (!part->empty()) {
+    if (known.ball || !known.is_open()) {
+      curve.emplace(*part, known, config.law.node_speeds_mps);
+      result.curve = curve->curve();
+    } else {
+      DeviationEstimate estimate;
+      LawFitConfig first = main;
+      first.intervals = IntervalMethod::covariance;
+      const LawFit at_first = fit_law(at_the_plate(*part, known, {}), first);
+      for (const NodeEstimate& node : at_first.nodes)
+        if (main.node_speeds_mps.empty()) first.node_speeds_mps.push_back(node.v_mps);
+      result.curve =
+          averaged_curve(*PartOfSamples(*part, at_first.outliers), known, config.law, first.node_speeds_mps, estimate);
+      known = estimate.is_ideal ? worlds_of(known).back() : as_found(known, estimate.mean, estimate.sd);
+      curve.emplace(*part, known, config.law.node_speeds_mps);
+    }
+    deviation = curve->deviation();
+    if (main.node_speeds_mps.empty() && result.curve && result.curve->nodes.size() > 1)
+      for (const NodeEstimate& node : result.curve->nodes) main.node_speeds_mps.push_back(node.v_mps);
   }
-  const RestitutionSamples moved = known.is_open() ? at_the_plate(*part, known, deviation.mean) : RestitutionSamples{};
+  const RestitutionSamples moved = known.is_open() ? at_the_plate(*part, known, deviation) : RestitutionSamples{};
   const RestitutionSamples& used = known.is_open() ? moved : *part;
   step();
   main.n_goodness = config.n_goodness;
@@ -179,7 +230,7 @@ FitResult fit_on_these_threads(const RestitutionSamples& samples, const FitConfi
   BudgetConfig budget = budget_config_of(*part, config.budget);
   if (known.has_drag && budget.drag == Effect::present) budget.drag = Effect::corrected;
   if (known.has_contact && budget.contact_time == Effect::present) budget.contact_time = Effect::corrected;
-  result.budget = error_budget(kept, quoted_law(result), budget);
+  result.budget = error_budget(kept, result.law, budget);
   step();
   // with the outliers of the pooled law: they may be all of one recording
   if (config.compare_recordings) result.recordings = compare_recordings(used, config.law, result.law);
@@ -188,33 +239,20 @@ FitResult fit_on_these_threads(const RestitutionSamples& samples, const FitConfi
       result.recordings.rows.empty() || (result.recordings.test && !disagree(result.recordings));
   result.is_one_ball = config.pool || (recordings_agree && !result.kinds_of_drops);
   step();
-  if (known.is_open()) {
-    const PartOfSamples raw(*part, result.law.outliers);
-    LawFitConfig same = main;
-    same.node_speeds_mps.clear();
-    for (const NodeEstimate& node : result.law.nodes) same.node_speeds_mps.push_back(node.v_mps);
-    const OpenByDragAndContact open(*raw, known, deviation, same);
-    open.widen_law(result.law);
-    if (result.memory) open.widen_law(*result.memory);
+  if (curve) {
+    look_beside(*curve, result.law, config.law, result.memory ? &*result.memory : nullptr, ordered.data.v_mps);
+    look_beside(*curve, result.law_viscoelastic, config.law, nullptr, ordered_kept.data.v_mps);
   }
-  const LawFit quoted = quoted_law(result);
-  if (result.is_one_ball && !result.law.nodes.empty()) {
-    const double v_mps = config.dem_speed_mps.value_or(result.law.nodes[result.law.nodes.size() / 2].v_mps);
-    LawFit shown = quoted;
-    shown.curve = quoted_curve(result);
-    if (!memory_holds(result) && result.averaged && !shown.curve.empty()) {
-      TableLaw table;
-      for (const CurvePoint& p : shown.curve) {
-        table.v_mps.push_back(p.x);
-        table.eps.push_back(p.y);
-      }
-      shown.law = std::move(table);
-    }
+  result.constants = constants_of(result);
+  if (result.curve) {
+    if (!known.ball && was_open) to_mean_square(*result.curve, result.law);
+    result.curve->peak = peaks_of(*result.curve, result.law);
+    const double v_mps = config.dem_speed_mps.value_or(result.curve->nodes[result.curve->nodes.size() / 2].v_mps);
     const SampleConditions& conditions = used.front().conditions;
-    result.dem_export =
-        dem_export(shown, v_mps, conditions.ball, conditions.plate, memory_holds(result) ? &*result.memory : nullptr);
+    if (result.is_one_ball)
+      result.dem_export = dem_export(*result.curve, result.law.scatter, v_mps, conditions.ball, conditions.plate,
+                                     memory_holds(result) ? &*result.memory : nullptr);
   }
-  result.status = quoted.status;
   result.n_used = result.law.n;
   result.n_left_out = left_out.n;
   if (!result.law.outliers.empty()) result.n_left_out["outlier"] = result.law.outliers.size();
@@ -231,38 +269,6 @@ FitResult fit_all(const RestitutionSamples& samples, const FitConfig& config, co
 
 bool memory_holds(const FitResult& result) {
   return result.memory && result.memory->holds && !result.memory->nodes.empty();
-}
-
-LawFit quoted_law(const FitResult& result) {
-  LawFit law = result.law;
-  if (!memory_holds(result)) return law;
-  const MemoryFit& memory = *result.memory;
-  law.parameters = memory.parameters;
-  law.covariance = memory.covariance;
-  law.correlation = memory.correlation;
-  law.nodes = memory.nodes;
-  law.node_correlation = memory.node_correlation;
-  law.curve = memory.curve;
-  law.law = memory.law;
-  law.message = not_identified_in_words(memory.parameters, memory.n);
-  law.status = law.message.empty() ? FitStatus::ok : FitStatus::not_identifiable;
-  return law;
-}
-
-const std::vector<NodeEstimate>& quoted_nodes(const FitResult& result) {
-  if (memory_holds(result)) return result.memory->nodes;
-  return result.averaged ? result.averaged->nodes : result.law.nodes;
-}
-
-const std::vector<CurvePoint>& quoted_curve(const FitResult& result) {
-  static const std::vector<CurvePoint> none;
-  if (!result.is_one_ball) return none;
-  if (memory_holds(result)) return result.memory->curve;
-  return result.averaged && !result.averaged->curve.empty() ? result.averaged->curve : result.law.curve;
-}
-
-bool usable(const FitResult& result) {
-  return (result.status == FitStatus::ok || result.status == FitStatus::not_identifiable) && !result.law.nodes.empty();
 }
 
 }  // namespace bouncelab::fit

@@ -106,8 +106,7 @@ Description members_of(const PlainAnswer*) {
           "elsewhere",
           "The same at the greatest and the least node, each where the 95 % interval of the difference from `at` "
           "leaves 0 out"),
-      member<&A::one_value>("one_value", "One speed alone, or too few samples for a curve"),
-      member<&A::with_memory>("with_memory", "The values are those of `memory`, which holds"),
+      member<&A::one_value>("one_value", "One speed alone"),
       member<&A::seen>("seen", "Of the samples' drops, see below"),
       member<&A::recordings>(
           "recordings",

@@ -22,17 +22,17 @@ std::string size_text(double x) {
 /// The change of eps between the least and the greatest speed; seen where the answer states one.
 Cause of_speed(const FitResult& result, const PlainAnswer& answer) {
   Cause cause{"speed", {}, !answer.elsewhere.empty(), {}};
-  const auto& nodes = nodes_of(result, answer.with_memory);
-  if (nodes.size() < 2) {
+  const auto& points = result.curve->points;
+  if (points.empty()) {
     cause.sentence = "Whether the speed matters is not known: too few speeds.";
     return cause;
   }
-  const NodeEstimate &slow = nodes.front(), &fast = nodes.back();
-  cause.size = std::abs(fast.eps.value - slow.eps.value);
-  const std::string between = " between " + speed(slow.v_mps) + " and " + speed(fast.v_mps);
+  const CurvePoint &slow = points.front(), &fast = points.back();
+  cause.size = std::abs(fast.y - slow.y);
+  const std::string between = " between " + speed(slow.x) + " and " + speed(fast.x);
   if (!cause.is_seen)
     cause.sentence = "That the speed matters is not seen" + between + ".";
-  else if (fast.eps.value < slow.eps.value)
+  else if (fast.y < slow.y)
     cause.sentence = "the speed: a faster ball is pressed in more and loses more, ε falls by " +
                      size_text(*cause.size) + between + ".";
   else
@@ -40,7 +40,7 @@ Cause of_speed(const FitResult& result, const PlainAnswer& answer) {
   return cause;
 }
 
-bool has_drag(const FitResult& result) { return result.averaged && result.averaged->kappa_per_m; }
+bool has_drag(const FitResult& result) { return result.curve->kappa_per_m.has_value(); }
 bool ball_is_named(const RestitutionSamples& samples) {
   return !samples.empty() && samples.front().conditions.ball.has_value();
 }
@@ -49,14 +49,14 @@ bool ball_is_named(const RestitutionSamples& samples) {
 /// eps kappa v^2 (1 + eps^2) / (4 g), docs/physics.md.
 Cause of_air(const FitResult& result, const PlainAnswer& answer, const RestitutionSamples& samples) {
   Cause cause{"air", {}, false, {}};
-  const auto& nodes = nodes_of(result, answer.with_memory);
-  if (!has_drag(result) || nodes.size() < 2) {
+  const auto& points = result.curve->points;
+  if (!has_drag(result) || points.empty()) {
     cause.sentence = "No effect of the air is seen or taken into account.";
     return cause;
   }
   const double g_mps2 = samples.front().conditions.gravity_mps2.value_or(kDefaultGravity_mps2);
-  const Estimate& kappa_per_m = *result.averaged->kappa_per_m;
-  const double eps = answer.at->eps.value, fast = nodes.back().v_mps, slow = nodes.front().v_mps;
+  const Estimate& kappa_per_m = *result.curve->kappa_per_m;
+  const double eps = answer.at->eps.value, fast = points.back().x, slow = points.front().x;
   const double by_kappa = eps * (1.0 + eps * eps) * (square(fast) - square(slow)) / (4.0 * g_mps2);
   if (!ball_is_named(samples)) {
     cause.sentence = "What the air does is not known";

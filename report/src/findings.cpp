@@ -18,7 +18,7 @@ std::string joined(const std::vector<std::string>& parts, const char* separator 
 }
 
 std::string sentence(std::string text) {
-  text.front() = text.front() == 't' ? 'T' : text.front();
+  if (text.front() >= 'a' && text.front() <= 'z') text.front() = static_cast<char>(text.front() - 'a' + 'A');
   return text + ".";
 }
 
@@ -36,19 +36,40 @@ std::string describe_constants(const std::vector<NamedEstimate>& parameters) {
   return joined(known);
 }
 
+/// Mean and peak where they are another than the root mean square by more than its error.
+std::string other_centres(const Curve& curve) {
+  const std::size_t middle = curve.nodes.size() / 2;
+  const Estimate& eps = curve.nodes[middle].eps;
+  std::vector<std::string> others;
+  const auto add = [&](const char* name, const std::vector<NodeEstimate>& nodes) {
+    if (nodes.size() != curve.nodes.size()) return;
+    const Estimate& other = nodes[middle].eps;
+    if (std::abs(other.value - eps.value) > eps.se.value_or(0.0))
+      others.push_back(name + fit::in_words(other.value, other.se));
+  };
+  add("the mean is ", curve.mean);
+  add("the most frequent ε ", curve.peak);
+  return others.empty() ? ""
+                        : formatted(" At %.3g m/s ", curve.nodes[middle].v_mps) + joined(others, " and ") +
+                              ": ε here is the root mean square, which keeps the energy.";
+}
+
 std::string dependence(const FitResult& r) {
-  const LawFit law = quoted_law(r);
   std::vector<std::string> unknown;
-  for (const NamedEstimate& p : law.parameters)
+  for (const NamedEstimate& p : r.constants.parameters)
     if (!p.estimate.identified) unknown.push_back(p.name);
-  const std::string known = describe_constants(law.parameters);
-  std::string text = "ε = " + describe_nodes(quoted_nodes(r)) + " (± one standard error" +
-                     (memory_holds(r) ? ", by the fit with memory)." : ").");
-  if (!known.empty()) text += " Constants of the law: " + known + ".";
-  if (!r.law_viscoelastic.parameters.empty()) {
+  const std::string known = describe_constants(r.constants.parameters);
+  std::string text =
+      "ε = " + describe_nodes(r.curve->nodes) + " (± one standard error)." + other_centres(*r.curve);
+  if (!known.empty())
+    text += " Constants of the law: " + known + (r.constants.with_memory ? " (by the fit with memory)." : ".");
+  if (r.constants.status == FitStatus::not_applicable && !r.constants.message.empty())
+    text += " " + sentence(r.constants.message);
+  const auto& misfit = r.law_viscoelastic.misfit;
+  if (!r.law_viscoelastic.parameters.empty() && !(misfit && misfit->ln_bayes_factor > kStrongBayesFactor)) {
     const Estimate& gamma = r.law_viscoelastic.parameters.front().estimate;
     text += " As a viscoelastic ball, with one constant of dissipation" +
-            std::string(memory_holds(r) ? " and impacts taken as independent" : "") +
+            std::string(r.constants.with_memory ? " and impacts taken as independent" : "") +
             ": gamma = " + fit::in_words(gamma.value, gamma.se) + ".";
   }
   if (!unknown.empty())
@@ -79,18 +100,15 @@ std::string scatter_as_assumed(const FitResult& r) {
 }
 
 std::string certainty(const FitResult& r) {
-  const LawFit law = quoted_law(r);
   std::vector<std::string> intervals;
-  for (const NodeEstimate& node : quoted_nodes(r))
-    if (node.eps.ci95) intervals.push_back(interval_in_words(node.eps) + formatted(" at %.3g m/s", node.v_mps));
+  for (const NodeEstimate& node : r.curve->nodes)
+    intervals.push_back(interval_in_words(node.eps) + formatted(" at %.3g m/s", node.v_mps));
   const std::string text =
       "95 % intervals (19 of 20 such intervals hold the true value): ε from " + joined(intervals) +
-      (memory_holds(r) ? std::string(", by the likelihood of each impact given the earlier ones of its drop.")
-       : law.drops.errors == ErrorBasis::by_drop
-           ? formatted(", from how %zu drops differ from each other.", law.drops.n)
-           : std::string(", if impacts are independent of each other.")) +
+      (r.curve->n_drops > 1 ? formatted("; how %zu drops differ is in them.", r.curve->n_drops)
+                            : std::string(", of this drop: how much other drops differ from it is not known.")) +
       scatter_as_assumed(r);
-  return law.parameters.size() > 1 && !describe_constants(law.parameters).empty()
+  return r.constants.parameters.size() > 1 && !describe_constants(r.constants.parameters).empty()
              ? text + " The constants go together: use them with their correlation, or quote the curve."
              : text;
 }
@@ -119,12 +137,11 @@ std::string limits(const FitResult& r) {
         " With %.0f samples that by itself leaves a standard error of %.1e of the curve there; four times the samples "
         "halve it.",
         static_cast<double>(r.n_used), *row.se_curve);
-  if (r.averaged) {  // the shares of two that depend on each other may both be 100 %
-    const double contact = r.averaged->share_of_contact, drag = r.averaged->share_of_drag;
-    if (std::max(contact, drag) >= 0.01)
-      text += formatted(" Of the variance of the answer %.0f %% is ", 100.0 * std::max(contact, drag)) +
-              (drag > contact ? "how strongly the air slows the ball." : "how long the ball touches the floor.");
-  }
+  // the shares of two that depend on each other may both be 100 %
+  const double contact = r.curve->share_of_contact, drag = r.curve->share_of_drag;
+  if (std::max(contact, drag) >= 0.01)
+    text += formatted(" Of the variance of the answer %.0f %% is ", 100.0 * std::max(contact, drag)) +
+            (drag > contact ? "how strongly the air slows the ball." : "how long the ball touches the floor.");
   const auto shift = [&](std::optional<double> BudgetRow::*member, const char* cause) {
     const auto size = [&](const BudgetRow& b) { return std::abs((b.*member).value_or(0.0)); };
     const auto worst = std::max_element(r.budget.rows.begin(), r.budget.rows.end(),
@@ -175,8 +192,8 @@ std::string remembers(const FitResult& r) {
   const MemoryFit& memory = *r.memory;
   if (!memory_holds(r)) return "No, or not so that it could be used: " + in_words(memory) + ".";
   const std::string constants = describe_constants(r.law.parameters);
-  return "Yes: " + in_words(memory) + ". All constants above are by this fit; for comparison, impacts taken as " +
-         "independent give ε = " + describe_nodes(r.law.nodes) + (constants.empty() ? "" : "; " + constants) +
+  return "Yes: " + in_words(memory) + ". All constants above are by this fit" +
+         (constants.empty() ? "" : "; for comparison, impacts taken as independent give " + constants) +
          ". The surface: " + in_words(memory.roughness) + ".";
 }
 
@@ -196,7 +213,7 @@ std::string in_dem(const FitResult& r) {
 }  // namespace
 
 std::vector<Finding> findings_of(const FitResult& result) {
-  if (!usable(result)) return {};
+  if (!result.curve) return {};
   std::vector<Finding> findings;
   if (result.is_one_ball)
     findings = {{"How does ε depend on speed?", dependence(result)},

@@ -62,10 +62,10 @@ std::string samples_json(RestitutionSamples samples, const std::string& fit_json
   if (samples.size() > kMostShown) return {};
   const Json fit = parsed(fit_json, "fit.json");
   const auto found = [&](const char* key) -> std::optional<double> {
-    const Json::json_pointer value(std::string("/averaged/") + key + "/value");
+    const Json::json_pointer value(std::string("/curve/") + key + "/value");
     return fit.contains(value) ? std::optional(fit.at(value).get<double>()) : std::nullopt;
   };
-  if (fit.is_object() && fit.contains("averaged") && !fit["averaged"].is_null())
+  if (fit.is_object() && fit.contains("curve") && !fit["curve"].is_null())
     samples = fit::at_the_plate(std::move(samples), found("kappa_per_m"), found("contact_s"));
   Values v_mps, eps, sigma_eps;
   for (const RestitutionSample& sample : samples) {

@@ -12,13 +12,20 @@ namespace bouncelab::report {
 using namespace fit;
 namespace {
 
-/// <eps^2> - peak^2 of the scatter at v.
-double mean_square_above_peak(const LawFit& law, double v_mps) {
-  return law.law ? square(rms_restitution(law, v_mps)) - square(restitution(*law.law, v_mps)) : 0.0;
-}
+SpeedAndRestitution at(double v_mps, const Estimate& eps) { return {v_mps, eps, 1.0 - square(eps.value)}; }
 
-SpeedAndRestitution at_node(const NodeEstimate& node, const LawFit& scatter) {
-  return {node.v_mps, node.eps, 1.0 - square(node.eps.value) - mean_square_above_peak(scatter, node.v_mps)};
+/// A node of a law, which is of the peak, as root mean square.
+SpeedAndRestitution at_node(const NodeEstimate& node, const std::optional<ScatterModel>& scatter) {
+  Estimate eps = node.eps;
+  if (scatter) {
+    const double shift = hypot(eps.value + scatter->mean_minus_peak(node.v_mps),
+                               std::sqrt(scatter->variance(node.v_mps))) -
+                         eps.value;
+    eps.value += shift;
+    for (std::optional<Interval>* interval : {&eps.ci68, &eps.ci95})
+      if (*interval) (*interval)->lo += shift, (*interval)->hi += shift;
+  }
+  return at(node.v_mps, eps);
 }
 
 /// Decimals that show one digit of a standard error, two where that one is 1.
@@ -89,33 +96,33 @@ std::string duration(double t_s) {
                         : two_digits(t_s / 3600.0) + " h";
 }
 
-/// Is eps at node `k` another than at the middle one, whatever drag, contact time and law are?
-bool differs(const FitResult& result, const std::vector<NodeEstimate>& nodes, const Matrix& correlation,
-             std::size_t k) {
-  const std::size_t middle = nodes.size() / 2;
-  if (k == middle) return false;
-  if (result.averaged && result.averaged->nodes.size() == nodes.size() && &nodes == &result.averaged->nodes) {
-    const Interval& change = *result.averaged->changes[k].ci95;
-    constexpr double kRounding = 1e-9;  // where a constant is likely, the interval ends at 0 but for rounding
-    return change.lo > kRounding || change.hi < -kRounding;
-  }
-  const Estimate &a = nodes[middle].eps, &b = nodes[k].eps;
-  if (!a.se || !b.se) return false;
-  constexpr double kSeen = 3.0;  // by chance alone one answer in 200 would name a change; at 2.0 one in 11
-  const double rho = k < correlation.size() && middle < correlation[k].size() ? correlation[k][middle] : 0.0;
-  const double variance = *a.se * *a.se + *b.se * *b.se - 2.0 * rho * *a.se * *b.se;
-  return std::abs(b.value - a.value) > kSeen * std::sqrt(std::max(0.0, variance));
+bool is_seen(const Estimate& change) {
+  constexpr double kRounding = 1e-9;  // where a constant is likely, the interval ends at 0 but for rounding
+  return change.ci95 && (change.ci95->lo > kRounding || change.ci95->hi < -kRounding);
 }
 
 /// What most of the uncertainty is, and what would shrink it; empty where it is the ball's own scatter.
-std::string largest_part(const FitResult& result, bool ball_is_named) {
-  if (!result.averaged) return "";
+std::string largest_part(const Curve& curve, bool ball_is_named) {
   constexpr double kMost = 0.5;
-  const double drag = result.averaged->share_of_drag, contact = result.averaged->share_of_contact;
+  const double drag = curve.share_of_drag, contact = curve.share_of_contact;
   if (std::max(drag, contact) < kMost) return "";
   return std::string("Most of the uncertainty is ") +
          (drag > contact ? "how strongly the air slows the ball" : "how long the ball touches the floor") +
-         (ball_is_named ? "." : ": name the ball to narrow it (--ball).");
+         (!ball_is_named   ? ": name the ball to narrow it (--ball)."
+          : drag > contact ? ": bounces from less high narrow it."
+                           : ": bounces from higher narrow it.");
+}
+
+/// Does the curve say otherwise than the name of the ball? Beyond three standard deviations, one answer in 300.
+std::string contradicted(const Curve& curve) {
+  constexpr double kBeyond = 3.0;
+  const bool by_drag = curve.kappa_pull && std::abs(*curve.kappa_pull) > kBeyond;
+  if (!by_drag && !(curve.contact_pull && std::abs(*curve.contact_pull) > kBeyond)) return "";
+  const double pull = by_drag ? *curve.kappa_pull : *curve.contact_pull;
+  return std::string("The bounces are not those of the ball that was named: ") +
+         (by_drag ? (pull > 0.0 ? "the air slows this one more" : "the air slows this one less")
+                  : (pull > 0.0 ? "this one touches the floor longer" : "this one touches the floor more shortly")) +
+         formatted(" (by %.1f standard deviations). Another ball, or a time that is no impact?", std::abs(pull));
 }
 
 /// The node that most recordings reach; the middle one of equals.
@@ -133,7 +140,7 @@ std::optional<double> common_speed(const std::vector<RecordingFit>& rows) {
 }
 
 std::vector<ReleaseHeight> heights_of(const FitResult& result) {
-  return result.averaged ? result.averaged->heights : std::vector<ReleaseHeight>{};
+  return result.curve ? result.curve->heights : std::vector<ReleaseHeight>{};
 }
 
 std::vector<RecordingAnswer> answers_by_recording(const FitResult& result, const RestitutionSamples& samples) {
@@ -148,7 +155,7 @@ std::vector<RecordingAnswer> answers_by_recording(const FitResult& result, const
     const NodeEstimate* nearest = nullptr;
     for (const NodeEstimate& node : row.nodes)
       if (!nearest || std::abs(node.v_mps - *v_mps) < std::abs(nearest->v_mps - *v_mps)) nearest = &node;
-    if (nearest) answer.at = at_node(*nearest, result.law);
+    if (nearest) answer.at = at_node(*nearest, result.law.scatter);
     answers.push_back(std::move(answer));
   }
   return answers;
@@ -158,24 +165,31 @@ std::string file_name(const std::string& recording) {
   return recording.empty() ? "without name" : printable(std::filesystem::path(recording).filename().string());
 }
 
+/// The middle one, or where eps steps near its speed one that lies beside the step.
+const NodeEstimate& stated_node(const Curve& curve) {
+  constexpr double kBeside = 0.2;  // in ln v
+  const NodeEstimate* best = &curve.nodes[curve.nodes.size() / 2];
+  if (!curve.step) return *best;
+  const auto distance = [&](const NodeEstimate& node) { return std::abs(log(node.v_mps / curve.step->v_mps)); };
+  if (distance(*best) > kBeside) return *best;
+  for (const NodeEstimate& node : curve.nodes)
+    if (distance(node) > distance(*best)) best = &node;
+  return *best;
+}
+
 /// "ε steps from 0.92 to 0.85 at 0.68 m/s, after bounce 17: did the ball reach another surface?"
 std::string of_step(const RestitutionStep& step, int decimals) {
   std::string text = "ε steps from " + rounded(step.eps_faster, decimals) + " to " +
-                     rounded(step.eps_slower, decimals) + " at " + speed(step.v_mps);
+                     rounded(step.eps_slower, decimals) + " at " + speed(step.v_mps) + " (by " +
+                     interval_in_words(step.change) + ")";
   if (step.impact) text += ", after bounce " + std::to_string(*step.impact + 1);
   return text + ": did the ball reach another surface?";
 }
 
-std::string of_value(const PlainAnswer& answer, const FitResult& result) {
+std::string of_value(const PlainAnswer& answer, const Curve& curve) {
   const SpeedAndRestitution& at = *answer.at;
   std::string text = "ε = " + with_interval(at.eps) + " at " + speed(at.v_mps);
-  const auto& nodes = quoted_nodes(result);
-  // of one eps that was asked for nothing is to be seen
-  const bool may_change = result.law.kind != LawKind::constant || !result.averaged || result.averaged->laws.size() > 1;
-  if (may_change && answer.elsewhere.empty() && speed(nodes.front().v_mps) != speed(nodes.back().v_mps) &&
-      !(result.averaged && result.averaged->step))
-    text += "; from " + speed(nodes.front().v_mps) + " to " + speed(nodes.back().v_mps) +
-            " no change with the speed is seen";
+  if (curve.n_drops == 1) text += ", of this drop";
   std::string verb = "; it ";
   for (const SpeedAndRestitution& other : answer.elsewhere) {
     text += verb + (other.eps.value < at.eps.value ? "falls to " : "rises to ") +
@@ -183,21 +197,21 @@ std::string of_value(const PlainAnswer& answer, const FitResult& result) {
             speed(other.v_mps);
     verb = " and ";
   }
-  if (answer.with_memory) text += " (by the fit with memory)";
-  return text + ".";
+  if (!answer.elsewhere.empty() || curve.points.empty() || curve.step) return text + ".";
+  // a change that the bounces cannot exclude is not one that is not there
+  constexpr double kShort = 1.0 / 3.0;
+  double widest = 0.0;
+  for (const Estimate& change : curve.end_changes) widest = std::max(widest, change.ci95->hi - change.ci95->lo);
+  return text + "; " +
+         (widest < kShort * (1.0 - at.eps.value) ? "no change with the speed is seen"
+                                                 : "whether it changes with the speed cannot be told") +
+         " from " + speed(curve.points.front().x) + " to " + speed(curve.points.back().x) + ".";
 }
 
 /// With one decimal where the standard error, 2 eps se, warrants it.
 std::string percent_lost(const SpeedAndRestitution& at) {
   const bool exact = at.eps.se && 200.0 * at.eps.value * *at.eps.se < 0.5;
   return rounded(100.0 * at.energy_lost, exact ? 1 : 0);
-}
-
-/// Where the loss is visibly another than that of the peak.
-std::string why_not_of_peak(const SpeedAndRestitution& at) {
-  return std::abs(at.energy_lost - (1.0 - square(at.eps.value))) < 0.005
-             ? ""
-             : ", by the mean of ε²: the ε above is the peak of its distribution";
 }
 
 /// Where recordings differ by more than chance, or cannot be compared: their range instead of a value.
@@ -264,11 +278,6 @@ std::string in_words(const KindsOfDrops& kinds) {
       decimals, kinds.eps_lower, kinds.n_lower, decimals, kinds.eps_upper, kinds.n_upper);
 }
 
-const std::vector<NodeEstimate>& nodes_of(const FitResult& result, bool with_memory) {
-  if (with_memory) return result.memory->nodes;
-  return result.averaged ? result.averaged->nodes : result.law.nodes;
-}
-
 std::string in_words(const RecordingAnswer& recording) {
   const std::string name = file_name(recording.recording) + ": ";
   return recording.at ? name + "ε = " + with_interval(recording.at->eps) + " at " + speed(recording.at->v_mps)
@@ -279,25 +288,28 @@ PlainAnswer plain_answer(const FitResult& result, const RestitutionSamples& samp
   PlainAnswer answer;
   answer.seen = drops_seen(samples, heights_of(result));
   answer.recordings = answers_by_recording(result, samples);
-  const bool is_fitted = usable(result) || result.averaged;
-  const bool pooled = is_fitted && result.is_one_ball;
-  if (pooled) {
-    answer.with_memory = memory_holds(result);
-    const auto& nodes = quoted_nodes(result);
-    const Matrix correlation = quoted_law(result).node_correlation;
-    const std::size_t middle = nodes.size() / 2;
-    answer.at = at_node(nodes[middle], result.law);
-    answer.one_value = nodes.size() == 1;
-    for (const std::size_t k : {nodes.size() - 1, std::size_t{0}})
-      if (differs(result, nodes, correlation, k)) answer.elsewhere.push_back(at_node(nodes[k], result.law));
-    answer.sentences.push_back(of_value(answer, result));
-    answer.doubt = largest_part(result, !samples.empty() && samples.front().conditions.ball);
-    if (result.averaged && result.averaged->step)
-      answer.sentences.push_back(of_step(*result.averaged->step, decimals_for(answer.at->eps)));
+  const bool is_fitted = result.curve.has_value();
+  if (is_fitted && result.is_one_ball) {
+    const Curve& curve = *result.curve;
+    const NodeEstimate& node = stated_node(curve);
+    answer.at = at(node.v_mps, node.eps);
+    answer.one_value = curve.points.empty();
+    // the fastest first: there most is lost
+    if (!answer.one_value)
+      for (const bool fastest : {true, false}) {
+        const CurvePoint& end = fastest ? curve.points.back() : curve.points.front();
+        Estimate eps;
+        eps.value = end.y, eps.se = end.se, eps.ci95 = end.band95;
+        if (is_seen(fastest ? curve.end_changes.back() : curve.end_changes.front()) && !curve.step)
+          answer.elsewhere.push_back(at(end.x, eps));
+      }
+    answer.sentences.push_back(of_value(answer, curve));
+    answer.doubt = largest_part(curve, !samples.empty() && samples.front().conditions.ball);
+    if (curve.step) answer.sentences.push_back(of_step(*curve.step, decimals_for(answer.at->eps)));
     if (answer.at->eps.value > 0.0 && answer.at->eps.value < 1.0)
       answer.sentences.push_back(percent_lost(*answer.at) +
-                                 " % of the energy of its motion up and down is lost in each bounce" +
-                                 " at that speed" + why_not_of_peak(*answer.at) + ".");
+                                 " % of the energy of its motion up and down is lost in each bounce at that speed.");
+    if (std::string other = contradicted(curve); !other.empty()) answer.sentences.push_back(std::move(other));
   } else {
     answer.sentences.push_back(
         !is_fitted ? of_missing(result, samples)

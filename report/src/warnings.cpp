@@ -15,7 +15,7 @@ using namespace fit;
 namespace {
 
 /// One line for all pairs: the worst one stands for them.
-void warn_of_correlation(const LawFit& law, std::vector<std::string>& warnings) {
+void warn_of_correlation(const Constants& law, std::vector<std::string>& warnings) {
   std::size_t worst_i = 0, worst_j = 0;
   double worst = 0.99;
   for (std::size_t i = 0; i < law.parameters.size(); ++i)
@@ -34,7 +34,7 @@ void warn_of_correlation(const LawFit& law, std::vector<std::string>& warnings) 
 }
 
 /// The constants matter to few and the curve is known without them: their warnings come last.
-void warn_of_constants(const LawFit& law, std::vector<std::string>& warnings) {
+void warn_of_constants(const Constants& law, std::vector<std::string>& warnings) {
   warn_of_correlation(law, warnings);
   if (!law.message.empty() && law.status == FitStatus::not_identifiable) warnings.push_back(law.message);
 }
@@ -50,15 +50,17 @@ void warn_of_few_drops(const DropCount& drops, std::vector<std::string>& warning
                      "small at low speeds, those of ε(v) hardly");
 }
 
-/// What drops differ by is in errors by drop, and in no others.
-void warn_of_drops_that_differ(const FitResult& result, const RestitutionSamples& used,
-                               std::vector<std::string>& warnings) {
-  if (result.law.drops.errors == ErrorBasis::by_drop || !result.is_one_ball) return;
-  if (const auto differ = difference_of_drops(used))
-    warnings.push_back(
-        formatted("the %zu drops differ by more (%.2g in ε) than bounces of one do (%.2g), so that the "
-                  "interval is too narrow: let it fall %zu times or more",
-                  differ->n_drops, differ->sd_between, differ->sd_within, kFewestDrops));
+/// Drops that differ by more than single bounces do, and visibly: something is another from drop to drop.
+void warn_of_drops_that_differ(const FitResult& result, std::vector<std::string>& warnings) {
+  constexpr double kOfLost = 0.05;
+  if (!result.is_one_ball || !result.curve || !result.curve->scatter_of_drops) return;
+  const Curve& curve = *result.curve;
+  const double differ = *curve.scatter_of_drops, eps = curve.nodes[curve.nodes.size() / 2].eps.value;
+  if (differ < curve.scatter || differ < kOfLost * (1.0 - eps)) return;
+  warnings.push_back(
+      formatted("the %zu drops differ by more (%.2g in ε) than bounces of one do (%.2g), which makes the interval wide: "
+                "another ball, spot or release? More drops narrow it",
+                curve.n_drops, differ, curve.scatter));
 }
 
 void warn_of_law(const FitResult& result, std::vector<std::string>& warnings) {
@@ -219,13 +221,13 @@ void warn(const FitResult& result, const RestitutionSamples& samples, FitInWords
   if (disagree(result.recordings)) first.push_back(in_words(result.recordings));
   if (result.kinds_of_drops && result.is_one_ball) first.push_back(in_words(*result.kinds_of_drops));
   warn_of_all_samples(used, left_out, first);
-  warn_of_drops_that_differ(result, used, first);
-  // why there is no curve is a detail where eps is known all the same
-  const LawFit quoted = quoted_law(result);
-  const bool no_curve = !quoted.message.empty() && quoted.status != FitStatus::not_identifiable;
-  if (no_curve && !result.averaged) first.push_back(quoted.message);
+  warn_of_drops_that_differ(result, first);
+  // why there are no constants is a detail where eps is known all the same
+  const Constants& constants = result.constants;
+  const bool no_law = !constants.message.empty() && constants.status != FitStatus::not_identifiable;
+  if (no_law && !result.curve) first.push_back(constants.message);
   warn_of_law(result, first);
-  warn_of_nodes(quoted_nodes(result), used, first);
+  if (result.curve) warn_of_nodes(result.curve->nodes, used, first);
   if (result.dem_export) warn_of_nodes({{result.dem_export->v_mps, {}}}, used, first);
   warn_of_timing(result.budget, first);
   std::vector<std::string>& details = words.details;
@@ -233,13 +235,13 @@ void warn(const FitResult& result, const RestitutionSamples& samples, FitInWords
     details.assign(first.begin() + kMostWarnings, first.end());
     first.resize(kMostWarnings);
   }
-  if (no_curve && result.averaged) details.push_back(quoted.message);
+  if (no_law && result.curve) details.push_back(constants.message);
   details.insert(details.end(), result.law.notes.begin(), result.law.notes.end());
   if (!memory_holds(result)) warn_of_few_drops(result.law.drops, details);
   warn_of_unstated_errors(used, details);
   if (const std::string open = result.memory ? open_without_ball(*result.memory) : ""; !open.empty())
     details.push_back(open);
-  warn_of_constants(quoted, details);
+  warn_of_constants(constants, details);
 }
 
 std::vector<std::string> warnings_of(const RoughnessResult& result, const RestitutionSamples& samples) {

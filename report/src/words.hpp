@@ -16,8 +16,6 @@ std::string interval_in_words(const fit::Estimate& e);
 PlainAnswer plain_answer(const fit::FitResult& result, const RestitutionSamples& samples);
 /// Two balls, or two floors, which nothing but the drops tells apart.
 std::string in_words(const fit::KindsOfDrops& kinds);
-/// The nodes that the answer is of: of the fit with memory where it holds, else the average over laws, else the law's.
-const std::vector<fit::NodeEstimate>& nodes_of(const fit::FitResult& result, bool with_memory);
 /// Speed, air and roughness, the largest that is seen first; none without an answer.
 std::vector<Cause> causes_of(const fit::FitResult& result, const PlainAnswer& answer,
                              const RestitutionSamples& samples);

@@ -168,26 +168,23 @@ std::string describe(const fit::Recordings& recordings, bool with_memory) {
   return text;
 }
 
-/// What the impacts say when they are taken as independent, behind what the fit with memory says.
-std::string compared(const fit::Estimate& independent) {
-  return "; impacts taken as independent: " + with_error(independent);
-}
-
 /// ε(v) at the nodes and the constants of the law.
-std::string describe_law(const fit::FitResult& result) {
-  const bool with_memory = memory_holds(result);
+std::string describe_curve(const fit::FitResult& result) {
   std::string text;
-  const std::vector<fit::NodeEstimate>& nodes = quoted_nodes(result);
-  for (std::size_t k = 0; k < nodes.size(); ++k)
-    text += fmt::format("ε({:.3g} m/s) = {}{}\n", nodes[k].v_mps, with_error(nodes[k].eps),
-                        with_memory ? compared(result.law.nodes[k].eps) : "");
-  const std::vector<fit::NamedEstimate> constants = quoted_law(result).parameters;
+  if (result.curve)
+    for (const fit::NodeEstimate& node : result.curve->nodes)
+      text += fmt::format("ε({:.3g} m/s) = {}\n", node.v_mps, with_error(node.eps));
+  // what the impacts say when they are taken as independent, behind what the fit with memory says
+  const bool with_memory = result.constants.with_memory;
+  const std::vector<fit::NamedEstimate>& constants = result.constants.parameters;
   for (std::size_t k = 0; k < constants.size(); ++k)
     if (constants[k].estimate.identified)
-      text += fmt::format("{} = {}{}\n", constants[k].name, with_error(constants[k].estimate),
-                          with_memory ? compared(result.law.parameters[k].estimate) : "");
+      text += fmt::format(
+          "{} = {}{}\n", constants[k].name, with_error(constants[k].estimate),
+          with_memory ? "; impacts taken as independent: " + with_error(result.law.parameters[k].estimate) : "");
+  const auto& misfit = result.law_viscoelastic.misfit;
   for (const fit::NamedEstimate& p : result.law_viscoelastic.parameters)
-    if (p.estimate.identified)
+    if (p.estimate.identified && !(misfit && misfit->ln_bayes_factor > fit::kStrongBayesFactor))
       text += fmt::format("{} = {}{}\n", p.name, with_error(p.estimate),
                           with_memory ? ", impacts taken as independent" : "");
   return text;
@@ -212,8 +209,8 @@ std::string describe(const fit::HistogramFit& h) {
 
 /// The result in a few lines, for people.
 std::string describe(const fit::FitResult& result) {
-  std::string text = fmt::format("{} samples used; fit {}\n", result.n_used, fit::to_string(result.status));
-  text += describe_law(result) + describe(result.memory);
+  std::string text = fmt::format("{} samples used; fit {}\n", result.n_used, fit::to_string(result.constants.status));
+  text += describe_curve(result) + describe(result.memory);
   for (const fit::HistogramFit& h : result.histograms) text += describe(h);
   return text + describe(result.recordings, memory_holds(result));
 }
@@ -239,11 +236,9 @@ Outcome fit_outcome(const fit::FitResult& result, const report::FitInWords& word
   Outcome outcome;
   outcome.text = answer_text(words.answer) + "\n" + describe(result);
   outcome.warnings = words.warnings;
-  // of one speed alone eps is known there, and nothing more was to be known
-  if (words.answer.at && result.law.kind == fit::LawKind::constant) return outcome;
-  const std::string message = quoted_law(result).message;
+  const std::string& message = result.constants.message;
   std::erase(outcome.warnings, message);
-  if (usable(result)) {
+  if (result.curve) {
     if (!message.empty()) outcome.warnings.push_back(message);
     return outcome;
   }
@@ -277,8 +272,8 @@ Stage<fit::FitResult> run_fit(const FitOptions& options, const Run& run) {
   const report::FitInWords words = report::in_words(result, samples, config.memory);
   const Object all = report::object_of(result, words);
   write_text(run, options.out, json_text(all, 1) + "\n", files);
-  if (!options.table.empty() && !quoted_curve(result).empty())
-    write_table(run, options.table, fit::law_table(quoted_curve(result)), files);
+  if (!options.table.empty() && result.curve && result.is_one_ball && !result.curve->points.empty())
+    write_table(run, options.table, fit::law_table(result.curve->points), files);
   if (!options.histograms.empty()) write_table(run, options.histograms, fit::histogram_table(result.histograms), files);
   Outcome outcome = fit_outcome(result, words, input_name(files.front()) + more_files(files.size()));
   outcome.text = lines_of(taken_for) + outcome.text;

@@ -125,7 +125,7 @@ Outcome run_paper_loop(const LoopOptions& options, const Run& run) {
   outcome.warnings = words.warnings;
   outcome.text = ball_line(options.world) + loop_text(score, result.reservoir, work.wall_s) +
                  paper_text(slopes, conclusions) + work_text(work, score.onsets.n_true) + shown.text;
-  if (!fit::usable(result.sound)) {
+  if (!result.sound.law.law) {
     outcome.exit_code = kNotUsable;
     outcome.error = "the detected times give no law: " + result.sound.law.message;
   }

@@ -10,11 +10,11 @@
 
 #include "averaged/axis.hpp"
 #include "averaged/fit_of_law.hpp"
-#include "averaged/release.hpp"
 #include "averaged/student_sum.hpp"
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/numerics.hpp"
 #include "bouncelab/core/parallel.hpp"
+#include "curve/release.hpp"
 #include "law/law_search.hpp"
 
 namespace bouncelab::fit {
@@ -65,12 +65,6 @@ Moved moved(const Raw& raw, const AirAndContact& known, Deviation deviation) {
     moved.ln_stretch += log(at[k].stretch);
   }
   return moved;
-}
-
-std::string name_of(const LawModel& model) {
-  std::string name;
-  for (const std::string& one : model.names()) name += (name.empty() ? "" : ", ") + one;
-  return name + (model.yields ? " (yields)" : "");
 }
 
 /// Fits of one law on a grid of its own: a law that can bend little knows drag better than one that can take its place.
@@ -219,11 +213,11 @@ class Averaging {
       speeds_mps_.push_back(lo * pow(hi / lo, static_cast<double>(k) / (kPlaces - 1)));
     n_shown_ = speeds_mps_.size();
     // of impact 0, by the eps of impact 1: eps changes little with what that is off by
-    for (const FirstFlights& flights : first_) speeds_mps_.push_back(flights.v_mps / std::clamp(flights.eps, 0.1, 1.0));
+    for (const FirstFlights& flights : first_) speeds_mps_.push_back(speed_of_first_impact(flights));
     models_ = models_of(middle.data, config_);
   }
 
-  std::optional<AveragedCurve> run(DeviationEstimate& estimate) {
+  std::optional<Curve> run(DeviationEstimate& estimate) {
     std::deque<Grid> grids;
     std::vector<Term> terms;
     for (const AirAndContact& world : worlds_)
@@ -302,28 +296,31 @@ class Averaging {
     return too_coarse(grid.kappa, e.sd.ln_kappa) || too_coarse(grid.tau, e.sd.ln_tau);
   }
 
-  AveragedCurve curve_of(const std::vector<Term>& terms, const DeviationEstimate& estimate) const {
-    AveragedCurve curve;
+  Curve curve_of(const std::vector<Term>& terms, const DeviationEstimate& estimate) const {
+    Curve curve;
     const std::size_t middle = nodes_mps_.size() / 2;
+    const auto change_at = [&](std::size_t j) {
+      return estimate_of(
+          terms, [j, middle](const Fitted& f) { return f.eps[j] - f.eps[middle]; },
+          [j](const Fitted& f) { return f.change_se[j]; });
+    };
     for (std::size_t j = 0; j < nodes_mps_.size(); ++j) {
       curve.nodes.push_back({nodes_mps_[j], estimate_of(
                                                 terms, [j](const Fitted& f) { return f.eps[j]; },
                                                 [j](const Fitted& f) { return f.se[j]; })});
-      curve.changes.push_back(estimate_of(
-          terms, [j, middle](const Fitted& f) { return f.eps[j] - f.eps[middle]; },
-          [j](const Fitted& f) { return f.change_se[j]; }));
+      curve.changes.push_back(change_at(j));
     }
+    if (n_shown_ > nodes_mps_.size()) curve.end_changes = {change_at(nodes_mps_.size()), change_at(n_shown_ - 1)};
+    curve.n_drops = 1 + *std::max_element(raw_.data.drop.begin(), raw_.data.drop.end());
     for (std::size_t j = nodes_mps_.size(); j < n_shown_; ++j) {
       const Estimate e = estimate_of(
           terms, [j](const Fitted& f) { return f.eps[j]; }, [j](const Fitted& f) { return f.se[j]; });
-      curve.curve.push_back({speeds_mps_[j], e.value, e.ci95, e.se});
+      curve.points.push_back({speeds_mps_[j], e.value, e.ci95, e.se});
     }
     std::vector<double> weights(models_.size(), 0.0);
     for (const Term& t : terms) weights[t.grid->law] += t.weight;
-    for (std::size_t law = 0; law < models_.size(); ++law) curve.laws.emplace_back(name_of(models_[law]), weights[law]);
     constexpr double kNearlyCertain = 0.99;
     if (models_.back().kind == LawKind::step && weights.back() > kNearlyCertain) curve.step = step_at(estimate);
-    std::stable_sort(curve.laws.begin(), curve.laws.end(), [](auto& a, auto& b) { return a.second > b.second; });
     const auto at_middle = [middle](const Fitted& f) { return f.eps[middle]; };
     const double variance = square(*curve.nodes[middle].eps.se);
     const auto share = [&](double part) { return variance > 0.0 ? std::min(1.0, part / variance) : 0.0; };
@@ -354,8 +351,10 @@ class Averaging {
     const auto of_term = [&, j](const Term& t) {
       const double of_curve = error_of(t, [j](const Fitted& f) { return f.se[j]; });
       const double of_bounce = t.between([](const Fitted& f) { return f.scatter; });
-      return ln_release_height(flights, OneAirAndContact(*t.grid->known, {t.kappa->at, t.tau->at}),
-                               t.between([j](const Fitted& f) { return f.eps[j]; }), hypot(of_curve, of_bounce));
+      const double eps = t.between([j](const Fitted& f) { return f.eps[j]; }), se = hypot(of_curve, of_bounce);
+      const OneAirAndContact one(*t.grid->known, {t.kappa->at, t.tau->at});
+      return std::pair{ln_release_height(flights, one, eps), 0.5 * (ln_release_height(flights, one, eps - se) -
+                                                                    ln_release_height(flights, one, eps + se))};
     };
     // A ball that is not named is one of a dozen kinds, and the interval has to hold for each of them: beyond one end
     // of 95 % of their sum there may be a third of a kind whose share is 7 %.
@@ -369,7 +368,8 @@ class Averaging {
     const AirAndContact& known = estimate.is_ideal ? worlds_.back() : known_;
     const Fitted there = fit_of(moved(raw_, known, estimate.mean).data, model, config_, {v_mps * 0.9999, v_mps}, 1);
     if (there.eps.empty()) return std::nullopt;
-    RestitutionStep step{v_mps, there.eps[1], there.eps[0], std::nullopt};
+    RestitutionStep step{v_mps, there.eps[1], there.eps[0],
+                         normal_estimate(there.eps[1] - there.eps[0], hypot(there.se[0], there.se[1])), std::nullopt};
     const std::vector<std::size_t>& drops = raw_.data.drop;
     if (std::count(drops.begin(), drops.end(), drops.front()) != static_cast<std::ptrdiff_t>(drops.size())) return step;
     // speeds are in the order of those without drag and contact
@@ -392,11 +392,42 @@ class Averaging {
 
 }  // namespace
 
-std::optional<AveragedCurve> averaged_curve(const RestitutionSamples& samples, const AirAndContact& known,
+std::optional<Curve> averaged_curve(const RestitutionSamples& samples, const AirAndContact& known,
                                             const LawFitConfig& config, std::vector<double> node_speeds_mps,
                                             DeviationEstimate& estimate) {
   if (samples.empty()) return std::nullopt;
   return Averaging(samples, known, config, std::move(node_speeds_mps)).run(estimate);
+}
+
+void to_mean_square(Curve& curve, const LawFit& law) {
+  curve.mean = curve.nodes;
+  if (!law.scatter) return;
+  const auto move = [](Estimate& e, double shift) {
+    e.value += shift;
+    for (std::optional<Interval>* interval : {&e.ci68, &e.ci95})
+      if (*interval) (*interval)->lo += shift, (*interval)->hi += shift;
+  };
+  const auto to_mean = [&](double v_mps) { return law.scatter->mean_minus_peak(v_mps); };
+  const auto shift = [&](double v_mps, double peak) {
+    return std::sqrt(square(peak + to_mean(v_mps)) + law.scatter->variance(v_mps)) - peak;
+  };
+  const NodeEstimate& middle = curve.mean[curve.mean.size() / 2];
+  const double at_middle = shift(middle.v_mps, middle.eps.value);
+  curve.scatter = std::sqrt(law.scatter->variance(middle.v_mps));
+  for (std::size_t k = 0; k < curve.nodes.size(); ++k) {
+    const double v_mps = curve.nodes[k].v_mps, here = shift(v_mps, curve.nodes[k].eps.value);
+    move(curve.nodes[k].eps, here);
+    if (2 * k + 1 != curve.nodes.size()) move(curve.changes[k], here - at_middle);
+  }
+  for (std::size_t k = 0; k < curve.points.size(); ++k) {
+    CurvePoint& p = curve.points[k];
+    const double here = shift(p.x, p.y);
+    if (k == 0) move(curve.end_changes.front(), here - at_middle);
+    if (k + 1 == curve.points.size()) move(curve.end_changes.back(), here - at_middle);
+    p.y += here;
+    if (p.band95) p.band95->lo += here, p.band95->hi += here;
+  }
+  for (NodeEstimate& node : curve.mean) move(node.eps, to_mean(node.v_mps));
 }
 
 }  // namespace bouncelab::fit

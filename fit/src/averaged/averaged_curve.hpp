@@ -29,8 +29,11 @@ struct DeviationEstimate {
 /// @param node_speeds_mps  empty: as LawFitConfig
 /// @param estimate  gets where drag and contact time are
 /// @return absent where no law can be fitted
-std::optional<AveragedCurve> averaged_curve(const RestitutionSamples& samples, const AirAndContact& known,
+std::optional<Curve> averaged_curve(const RestitutionSamples& samples, const AirAndContact& known,
                                             const LawFitConfig& config, std::vector<double> node_speeds_mps,
                                             DeviationEstimate& estimate);
+
+/// The laws are of the peak of the scatter: the curve as root mean square instead. @param law  with the scatter
+void to_mean_square(Curve& curve, const LawFit& law);
 
 }  // namespace bouncelab::fit

@@ -118,10 +118,28 @@ Snippet sampler_with_memory(const RestitutionLaw& law, double q, double slowest_
 
 namespace {
 
-double mean_of(const LawFit& fit, double v_mps) {
-  return restitution(*fit.law, v_mps) + (fit.scatter ? fit.scatter->mean_minus_peak(v_mps) : 0.0);
-}
-double sd_of(const LawFit& fit, double v_mps) { return fit.scatter ? std::sqrt(fit.scatter->variance(v_mps)) : 0.0; }
+/// The curve with its scatter: between its points straight in ln v, beyond them as at the ends.
+struct CurveWithScatter {
+  std::vector<CurvePoint> points;
+  const std::optional<ScatterModel>& scatter;
+
+  const CurvePoint& nearest(double v_mps) const {
+    return *std::min_element(points.begin(), points.end(), [&](const CurvePoint& a, const CurvePoint& b) {
+      return std::abs(a.x - v_mps) < std::abs(b.x - v_mps);
+    });
+  }
+  double rms(double v_mps) const {
+    if (points.size() < 2) return points.front().y;
+    TableLaw table;
+    for (const CurvePoint& p : points) table.v_mps.push_back(p.x), table.eps.push_back(p.y);
+    return restitution(table, v_mps);
+  }
+  double mean(double v_mps) const {
+    return scatter ? std::sqrt(std::max(0.0, square(rms(v_mps)) - scatter->variance(v_mps))) : rms(v_mps);
+  }
+  double slowest() const { return points.front().x; }
+  double fastest() const { return points.back().x; }
+};
 
 /// gamma of the viscoelastic sphere that has eps at v; absent where none has: eps is 1, or too small.
 std::optional<double> gamma_at(double eps, double v_mps, ContactEnd end) {
@@ -136,35 +154,35 @@ std::optional<double> gamma_at(double eps, double v_mps, ContactEnd end) {
 }
 
 /// Fifteen speeds from the slowest to the fastest, at equal ratios.
-std::vector<ScatterRow> scatter_rows(const LawFit& fit) {
+std::vector<ScatterRow> scatter_rows(const CurveWithScatter& fit) {
   constexpr int kRows = 15;
-  const double slowest = fit.curve.front().x, fastest = fit.curve.back().x;
+  const double slowest = fit.slowest(), fastest = fit.fastest();
   std::vector<ScatterRow> rows;
   for (int k = 0; k < kRows; ++k) {
     const double v = slowest * pow(fastest / slowest, static_cast<double>(k) / (kRows - 1));
-    rows.push_back({v, mean_of(fit, v), fit.scatter->below(v), fit.scatter->above(v), fit.scatter->normal(v)});
+    rows.push_back({v, fit.mean(v), fit.scatter->below(v), fit.scatter->above(v), fit.scatter->normal(v)});
   }
   return rows;
 }
 
 /// Greatest distance of eps_at(v) from the root mean square over the speeds of the data.
 template <class EpsAt>
-double distance(const LawFit& fit, EpsAt eps_at) {
+double distance(const CurveWithScatter& fit, EpsAt eps_at) {
   double most = 0.0;
-  for (const CurvePoint& p : fit.curve) most = std::max(most, std::abs(eps_at(p.x) - rms_restitution(fit, p.x)));
+  for (const CurvePoint& p : fit.points) most = std::max(most, std::abs(eps_at(p.x) - p.y));
   return most;
 }
 
 /// How far what the codes bounce is off: by the law, and by 200 steps a contact, with which they bounce 1 - eps to
 /// 0.002 (found at eps of 0.5 to 0.98).
-std::string within(const LawFit& fit, double off, double least_eps) {
+std::string within(const CurveWithScatter& fit, double off, double least_eps) {
   constexpr double kSteps = 0.002;
   return formatted("within %.2g of sqrt(<eps^2>) as fitted at %.3g to %.3g m/s", off + kSteps * (1.0 - least_eps),
-                   fit.curve.front().x, fit.curve.back().x);
+                   fit.slowest(), fit.fastest());
 }
 
 /// The viscoelastic inputs, each with the gamma for where its code ends contacts, or why there are none.
-void add_viscoelastic(DemExport& result, const Decks& base, const LawFit& fit, double off_constant) {
+void add_viscoelastic(DemExport& result, const Decks& base, const CurveWithScatter& fit, double off_constant) {
   for (const ContactEnd end : {ContactEnd::force, ContactEnd::surfaces}) {
     const bool parting = end == ContactEnd::surfaces;
     if (parting && !result.gamma) return;
@@ -175,7 +193,7 @@ void add_viscoelastic(DemExport& result, const Decks& base, const LawFit& fit, d
       if (!parting) result.gamma = gamma;
       Decks decks = base;
       decks.about = formatted("viscoelastic sphere, gamma = %.5g (m/s)^(-1/5), ", *gamma) +
-                    within(fit, off, eps_at(fit.curve.back().x)) +
+                    within(fit, off, eps_at(fit.fastest())) +
                     (parting ? "\ngamma is that of contacts which end where surfaces part, as LAMMPS's do\n" : "\n") +
                     base.about;
       const auto more = viscoelastic_decks(decks, *gamma, end);
@@ -193,22 +211,22 @@ void add_viscoelastic(DemExport& result, const Decks& base, const LawFit& fit, d
 
 }  // namespace
 
-double rms_restitution(const LawFit& fit, double v_mps) { return hypot(mean_of(fit, v_mps), sd_of(fit, v_mps)); }
-
-std::optional<DemExport> dem_export(const LawFit& fit, double v_mps, const std::optional<Ball>& ball,
-                                    const std::optional<Material>& plate, const MemoryFit* memory) {
-  if (!fit.law || fit.curve.empty()) return std::nullopt;
+std::optional<DemExport> dem_export(const Curve& curve, const std::optional<ScatterModel>& scatter, double v_mps,
+                                    const std::optional<Ball>& ball, const std::optional<Material>& plate,
+                                    const MemoryFit* memory) {
+  CurveWithScatter fit{curve.points, scatter};
+  if (fit.points.empty()) {  // of one speed
+    const NodeEstimate& node = curve.nodes[curve.nodes.size() / 2];
+    fit.points.push_back({node.v_mps, node.eps.value, node.eps.ci95, node.eps.se});
+  }
   DemExport result;
   result.v_mps = v_mps;
-  result.peak = restitution(*fit.law, v_mps);
-  result.mean = mean_of(fit, v_mps);
-  result.eps = rms_restitution(fit, v_mps);
+  result.eps = fit.rms(v_mps);
+  result.mean = fit.mean(v_mps);
+  result.peak = result.mean - (scatter ? scatter->mean_minus_peak(v_mps) : 0.0);
   if (!(result.eps > 0.0 && result.eps <= 1.0)) return std::nullopt;
-  const auto point = std::min_element(fit.curve.begin(), fit.curve.end(), [&](const auto& a, const auto& b) {
-    return std::abs(a.x - v_mps) < std::abs(b.x - v_mps);
-  });
-  result.se = point->se;
-  const double slowest = fit.curve.front().x, fastest = fit.curve.back().x;
+  result.se = fit.nearest(v_mps).se;
+  const double slowest = fit.slowest(), fastest = fit.fastest();
   Decks decks{dem_contact(ball, plate, v_mps), {}, v_mps};
   result.ball = decks.contact.ball;
   const std::string at =
@@ -219,7 +237,7 @@ std::optional<DemExport> dem_export(const LawFit& fit, double v_mps, const std::
   const auto how_constant = [&](const char* eps) {
     if (off_constant < kSame) return formatted("a constant %s is right, ", eps) + within(fit, off_constant, result.eps);
     return formatted("a constant %s is right at %.3g m/s alone: %s goes from %.4f at %.3g m/s to %.4f at %.3g m/s", eps,
-                     v_mps, eps, rms_restitution(fit, slowest), slowest, rms_restitution(fit, fastest), fastest);
+                     v_mps, eps, fit.rms(slowest), slowest, fit.rms(fastest), fastest);
   };
   decks.about = "constant coefficient of restitution " + at + "\n" + how_constant("eps") + ball_line;
   result.snippets = constant_decks(decks, result.eps);
@@ -230,7 +248,7 @@ std::optional<DemExport> dem_export(const LawFit& fit, double v_mps, const std::
   };
   decks.about = at + ball_line;
   add_viscoelastic(result, decks, fit, off_constant);
-  if (fit.scatter && fastest > slowest)
+  if (scatter && fastest > slowest)
     add(independent_samplers(scatter_rows(fit), "two exponentials with a normal part"));
   if (memory && memory->law && !memory->curve.empty())
     result.snippets.push_back(sampler_with_memory(*memory->law, memory->roughness.q.value, memory->curve.front().x,

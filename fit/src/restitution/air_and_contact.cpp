@@ -111,6 +111,15 @@ AirAndContact air_and_contact_of(const RestitutionSamples& samples) {
   return known;
 }
 
+AirAndContact as_found(AirAndContact known, Deviation mean, Deviation sd) {
+  constexpr double kLeast = 1e-3;
+  known.kappa_per_m *= exp(mean.ln_kappa);
+  known.contact.at_1_mps_s *= exp(mean.ln_tau);
+  if (known.has_drag) known.kappa_spread = std::max(kLeast, sd.ln_kappa);
+  if (known.has_contact) known.contact.spread = std::max(kLeast, sd.ln_tau);
+  return known;
+}
+
 std::vector<AirAndContact> worlds_of(const AirAndContact& known) {
   if (known.ball || !known.has_drag) return {known};
   AirAndContact ideal;

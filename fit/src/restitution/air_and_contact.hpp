@@ -38,6 +38,9 @@ double kappa_at_1_mps(const AirAndContact& known);
 /// Of these samples: their first one speaks for all.
 AirAndContact air_and_contact_of(const RestitutionSamples& samples);
 
+/// The same once samples have said where drag and contact time are: the deviations are about that.
+AirAndContact as_found(AirAndContact known, Deviation mean, Deviation sd);
+
 /// What may be: the ball in air, and, where no ball is named, one of a simulation, with neither air nor contact time.
 std::vector<AirAndContact> worlds_of(const AirAndContact& known);
 

@@ -145,6 +145,7 @@ Description members_of(const LawFit*) {
       member<&F::p_value>("p_value", "Its p"),
       member<&F::anderson_darling>("anderson_darling", "`null`, or `{a2, p_value, n_replicates}`"),
       member<&F::curve>("curve", "`[{v_mps, eps, lo95, hi95}]`"),
+      member<&F::misfit>("misfit", "`null`, or `{ln_bayes_factor, v_mps, off}` beside the smooth curve"),
       member<&F::residuals>("residuals", "Bins of speed, see below")};
   return all;
 }
@@ -214,20 +215,52 @@ Description members_of(const RecordingFit*) {
   return all;
 }
 
-Description members_of(const AveragedCurve*) {
-  using A = AveragedCurve;
+Description members_of(const Curve*) {
+  using C = Curve;
   static constexpr Member all[]{
-      member<&A::nodes>("nodes", "ε at each node: an estimate with `v_mps`"),
-      member<&A::changes>("changes", "Difference of ε at each node from that at the middle one"),
-      member<&A::curve>("curve", "As that of the law; empty of one speed alone"),
-      member<&A::laws>(
-          "laws", "The laws by their constants → weight, the largest first; `(yields)`: falling as what yields does"),
-      member<&A::kappa_per_m>("kappa_per_m", "Drag over speed squared at 1 m/s [1/m]; `null`: none"),
-      member<&A::contact_s>("contact_s", "Contact time at 1 m/s; `null`: none"),
-      member<&A::share_of_drag>("share_of_drag", "Part of the variance of ε at the middle node that drag leaves"),
-      member<&A::share_of_contact>("share_of_contact", "Likewise by contact time"),
-      member<&A::step>("step",
-                       "`{v_mps, eps_faster, eps_slower, impact}` where ε(v) nearly certainly has one; or `null`")};
+      member<&C::nodes>("nodes", "ε at each node, root mean square: √⟨ε²⟩"),
+      member<&C::mean>("mean", "⟨ε⟩ at the nodes"),
+      member<&C::peak>("peak", "The most frequent ε at the nodes; empty where its density was not fitted"),
+      member<&C::changes>("changes", "Difference of ε at each node from that at the middle one"),
+      member<&C::points>("points",
+                         "`[{v_mps, eps, lo95, hi95}]` from the slowest bounce to the fastest; empty of one speed "
+                         "alone"),
+      member<&C::end_changes>("end_changes", "Difference of ε at the first and the last point from the middle node"),
+      member<&C::scatter>("scatter", "Standard deviation of ε from bounce to bounce, at the median speed"),
+      member<&C::scatter_of_drops>("scatter_of_drops",
+                                   "Standard deviation of what the bounces of a drop share; `null` of one drop"),
+      member<&C::n_drops>("n_drops", "Drops; of one the curve is that of this drop"),
+      member<&C::kappa_per_m>("kappa_per_m", "Drag over speed squared at 1 m/s [1/m]; `null`: none"),
+      member<&C::contact_s>("contact_s", "Contact time at 1 m/s; `null`: none"),
+      member<&C::kappa_pull>("kappa_pull",
+                             "Of a named ball: how far its drag is from what such a ball has, in standard deviations"),
+      member<&C::contact_pull>("contact_pull", "Likewise its contact time"),
+      member<&C::share_of_drag>("share_of_drag", "Part of the variance of ε at the middle node that drag leaves"),
+      member<&C::share_of_contact>("share_of_contact", "Likewise by contact time"),
+      member<&C::step>("step", "`{v_mps, eps_faster, eps_slower, change, impact}` where ε changes at once; or `null`")};
+  return all;
+}
+
+Description members_of(const LawMisfit*) {
+  using M = LawMisfit;
+  static constexpr Member all[]{
+      member<&M::ln_bayes_factor>("ln_bayes_factor",
+                                  "ln of the Bayes factor of the law with a smooth deviation over the law alone; above "
+                                  "3 the law does not describe the samples"),
+      member<&M::v_mps>("v_mps", "Where the deviation is largest for its error"),
+      member<&M::off>("off", "The curve less the law there")};
+  return all;
+}
+
+Description members_of(const Constants*) {
+  using C = Constants;
+  static constexpr Member all[]{
+      member<&C::status>("status", "How their fit ended; `not_applicable` where the law does not describe the samples"),
+      member<&C::message>("message", "In words, empty where all is well"),
+      member<&C::with_memory>("with_memory", "By the fit with memory"),
+      estimates_by_name<C>(),
+      member<&C::covariance>("covariance", "Matrix by rows"),
+      member<&C::correlation>("correlation", "Matrix by rows")};
   return all;
 }
 
@@ -236,6 +269,7 @@ Description members_of(const RestitutionStep*) {
   static constexpr Member all[]{member<&S::v_mps>("v_mps", "Speed"),
                                 member<&S::eps_faster>("eps_faster", "ε of those just faster"),
                                 member<&S::eps_slower>("eps_slower", "ε of those just slower"),
+                                member<&S::change>("change", "Difference of the two, an estimate"),
                                 member<&S::impact>("impact", "Number of the last faster one, of one drop")};
   return all;
 }
@@ -252,18 +286,14 @@ Description members_of(const KindsOfDrops*) {
 Description members_of(const FitResult*) {
   using F = FitResult;
   static constexpr Member all[]{
-      member<&F::status>("status", "Of the law that is quoted: with memory where that holds, else `law`"),
+      member<&F::constants, &Constants::status>("status", "That of `constants`"),
       member<&F::n_used>("n_used", "Samples fitted"),
       member<&F::n_left_out>("n_left_out", "Reason → number of samples left out"),
-      member<&F::law>(
-          "law",
-          "The fit that takes impacts as independent, see below; where `memory` holds, a comparison: its constants and "
-          "curve are then the result"),
-      member<&F::averaged>(
-          "averaged",
-          "ε over several laws, drag and contact time, as `answer` has it: `nodes`, `changes`, `curve`, `laws`, "
-          "`kappa_per_m`, "
-          "`contact_s`, `share_of_drag`, `share_of_contact`, `step`; `null` of very many samples that hold neither"),
+      member<&F::curve>("curve", "ε(v), the answer, see below"),
+      member<&F::constants>("constants",
+                            "Constants of the law as they are stated: `{status, message, with_memory, parameters, "
+                            "covariance, correlation}`"),
+      member<&F::law>("law", "The fit of the law that takes impacts as independent, see below; ε(v) in it is the peak"),
       member<&F::recordings, &Recordings::test>(
           "recordings_test",
           "`null`, or the test whether recordings agree, see [several recordings](#several-recordings)"),

@@ -93,7 +93,7 @@ Outcome write_analysis(const loop::Analysis& found, const loop::AnalyzeConfig& c
   report::FitInWords words = report::in_words(found.fit, found.restitution.samples, config.fit.memory);
   Outcome fitted = fit_outcome(found.fit, words, (folder / "samples.csv").string());
   // of constants nobody asked
-  std::erase(fitted.warnings, quoted_law(found.fit).message);
+  std::erase(fitted.warnings, found.fit.constants.message);
   const std::optional<std::string> doubt = report::doubt_of_all_drops(found.recordings);
   if (doubt) withhold_answer(*doubt, words);
   Outcome outcome;

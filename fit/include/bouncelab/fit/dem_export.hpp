@@ -8,6 +8,7 @@
 #include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/description.hpp"
 #include "bouncelab/core/table.hpp"
+#include "bouncelab/fit/curve.hpp"
 #include "bouncelab/fit/law_fit.hpp"
 #include "bouncelab/fit/memory_fit.hpp"
 
@@ -27,7 +28,7 @@ Description members_of(const Snippet*);
 struct DemExport {
   double v_mps = 0.0;
   double eps = 0.0;             ///< root mean square of eps at v
-  std::optional<double> se;     ///< that of the peak
+  std::optional<double> se;
   double mean = 0.0;            ///< mean at v
   double peak = 0.0;            ///< of p(eps | v)
   std::optional<double> gamma;  ///< of the viscoelastic sphere with that eps at v; absent where no such
@@ -38,15 +39,13 @@ struct DemExport {
 };
 Description members_of(const DemExport*);
 
-/// Root mean square of eps at v, sqrt(mean^2 + variance): its square is what impacts keep of the energy.
-/// @param fit  with a law
-double rms_restitution(const LawFit& fit, double v_mps);
-
-/// @param fit     its law and curve, which may be those of another fit that is the answer, and its scatter
+/// @param curve   with a node
+/// @param scatter  of a fit, about its peak; absent: nothing fluctuates
 /// @param v_mps   where the simulated collisions are, within the data
 /// @param memory  where it holds: adds a function that fluctuates with memory, by its own law and q
-/// @return nullopt where the fit has no law, or eps is not in (0, 1] as these codes demand
-std::optional<DemExport> dem_export(const LawFit& fit, double v_mps, const std::optional<Ball>& ball,
+/// @return nullopt where eps is not in (0, 1] as these codes demand
+std::optional<DemExport> dem_export(const Curve& curve, const std::optional<ScatterModel>& scatter, double v_mps,
+                                    const std::optional<Ball>& ball,
                                     const std::optional<Material>& plate, const MemoryFit* memory = nullptr);
 
 /// eps(v) as a table v_mps, eps, lo95, hi95.

@@ -15,6 +15,7 @@
 #include "bouncelab/core/description.hpp"
 #include "bouncelab/core/parallel.hpp"
 #include "bouncelab/core/samples.hpp"
+#include "bouncelab/fit/curve.hpp"
 #include "bouncelab/fit/dem_export.hpp"
 #include "bouncelab/fit/error_budget.hpp"
 #include "bouncelab/fit/estimate.hpp"
@@ -48,14 +49,24 @@ struct FitConfig {
 /// The options: nodes, form of the law, method, replicates, windows.
 Description members_of(const FitConfig*);
 
+/// The law's constants as they are stated: of the fit with memory where that holds, else of `law`; none where the law
+/// does not describe the samples.
+struct Constants {
+  FitStatus status = FitStatus::too_few_samples;
+  std::string message;  ///< in words, empty where all is well
+  bool with_memory = false;
+  std::vector<NamedEstimate> parameters;
+  Matrix covariance, correlation;  ///< of `parameters`
+};
+Description members_of(const Constants*);
+
 struct FitResult {
-  FitStatus status = FitStatus::too_few_samples;  ///< of the law that is quoted
-  LawFit law;                                     ///< as configured; by default the asymmetric Laplace
+  std::optional<Curve> curve;  ///< eps(v), the answer; absent without samples
+  Constants constants;
+  LawFit law;  ///< as configured; by default the asymmetric Laplace
   LawFit law_least_squares, law_least_absolute;
   LawFit law_viscoelastic;
   std::optional<MemoryFit> memory;  ///< see FitConfig::memory; the main law is what it is without
-  /// Over laws, drag and contact time; absent of very many samples that hold neither, where the main law says it all.
-  std::optional<AveragedCurve> averaged;
   std::vector<HistogramFit> histograms;
   DensityPicture density;
   Recordings recordings;
@@ -77,21 +88,8 @@ Description members_of(const FitResult*);
 /// @throws InvalidArgument where the orders of the series are not valid, or more than fit_memory takes
 FitResult fit_all(const RestitutionSamples& samples, const FitConfig& config, const ProgressCallback& progress = {});
 
-/// Does the fit with memory hold? Its constants and its eps(v) are then the result, and `law`, which takes impacts as
-/// independent, is a comparison.
+/// Does the fit with memory hold? Its constants are then stated, and those of `law`, which takes impacts as independent,
+/// are a comparison.
 bool memory_holds(const FitResult& result);
-
-/// The law whose constants and curve are quoted: of the fit with memory where it holds, else `law`. What a fit with
-/// memory has none of (scatter, residuals, chi2) is that of `law`.
-LawFit quoted_law(const FitResult& result);
-
-/// eps at the nodes as quoted: of the fit with memory where it holds, else averaged over laws, else of `law`.
-const std::vector<NodeEstimate>& quoted_nodes(const FitResult& result);
-
-/// eps(v) as quoted, of the same fits; empty of one speed alone, and where no value stands for all samples.
-const std::vector<CurvePoint>& quoted_curve(const FitResult& result);
-
-/// Is there a curve eps(v) worth using? (`ok` and `not_identifiable`: the curve is known although A may not be.)
-bool usable(const FitResult& result);
 
 }  // namespace bouncelab::fit

@@ -9,6 +9,7 @@
 #include "bouncelab/core/description.hpp"
 #include "bouncelab/core/restitution_law.hpp"
 #include "bouncelab/core/samples.hpp"
+#include "bouncelab/fit/curve.hpp"
 #include "bouncelab/fit/estimate.hpp"
 
 namespace bouncelab::fit {
@@ -67,12 +68,6 @@ struct ScatterModel {
 };
 Description members_of(const ScatterModel*);
 
-struct NodeEstimate {
-  double v_mps = 0.0;
-  Estimate eps;
-};
-Description members_of(const NodeEstimate*);
-
 /// Residuals in a bin of speeds.
 struct ResidualBin {
   double v_mps = 0.0;  ///< median speed
@@ -127,43 +122,11 @@ struct LawFit {
   std::optional<AndersonDarling> anderson_darling;
   std::vector<LawComparison> comparison;  ///< the law itself first
   std::vector<std::string> notes;         ///< what was asked for and could not be had
+  /// Beside the smooth curve (fit_all), where it describes the mean of eps or the peak of the scatter.
+  std::optional<LawMisfit> misfit;
   std::optional<RestitutionLaw> law;      ///< usable wherever a law is wanted; absent where the fit failed
 };
 Description members_of(const LawFit*);
-
-/// eps changes at a speed at once: the ball met another surface there, or there are two balls.
-struct RestitutionStep {
-  double v_mps = 0.0;
-  double eps_faster = 0.0, eps_slower = 0.0;  ///< on either side of it
-  std::optional<std::int64_t> impact;         ///< number of the last one that is faster, where there is one drop
-};
-Description members_of(const RestitutionStep*);
-
-/// The height of a drop's release at rest [m], if the first impact heard was its first.
-struct ReleaseHeight {
-  std::string recording;
-  std::int64_t drop = 0;
-  Estimate height_m;
-};
-
-/// eps(v) averaged over laws that may hold, and over drag and contact time as far as they are not known.
-struct AveragedCurve {
-  std::vector<NodeEstimate> nodes;
-  /// Difference of eps at each node from that at the middle one, of the averages.
-  std::vector<Estimate> changes;
-  std::vector<CurvePoint> curve;  ///< over the speeds of the samples; empty of one speed alone
-  /// Laws with their weights, the largest first: "eps", "gamma", "A2, A4".
-  std::vector<std::pair<std::string, double>> laws;
-  std::optional<Estimate> kappa_per_m;  ///< drag over speed squared at 1 m/s; absent: none
-  std::optional<Estimate> contact_s;    ///< contact time at 1 m/s; absent: none
-  /// Parts of the variance of eps at the middle node that drag and contact time leave.
-  double share_of_drag = 0.0, share_of_contact = 0.0;
-  std::optional<RestitutionStep> step;  ///< where a law with a step is nearly certain
-  /// Of each drop whose sample of impact 1 was fitted. The launch u of the flight before it is exact; the speed of
-  /// impact 0 is w = u/eps, eps that of the curve at w with the scatter of one bounce; h is fall_height_m(w).
-  std::vector<ReleaseHeight> heights;
-};
-Description members_of(const AveragedCurve*);
 
 /// Fits eps(v). Samples must be finite with v > 0 and a sigma_eps >= 0 or absent (fit_all leaves the others out).
 ///

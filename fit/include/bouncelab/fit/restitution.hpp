@@ -105,7 +105,7 @@ Restitution restitution_samples(const Onsets& onsets, const RestitutionConfig& c
 /// likely drag and contact time (of a ball that is named its own). Samples whose intervals hold neither stay as they
 /// are.
 RestitutionSamples at_the_plate(RestitutionSamples samples);
-/// The same with what a fit found (AveragedCurve). @param kappa_per_m, contact_s  absent: there is none
+/// The same with what a fit found (Curve). @param kappa_per_m, contact_s  absent: there is none
 RestitutionSamples at_the_plate(RestitutionSamples samples, std::optional<double> kappa_per_m,
                                 std::optional<double> contact_s);
 

@@ -34,8 +34,8 @@ Description members_of(const DropsSeen*);
 /// eps at one speed within the range measured.
 struct SpeedAndRestitution {
   double v_mps = 0.0;
-  fit::Estimate eps;         ///< peak of p(eps)
-  double energy_lost = 0.0;  ///< 1 - mean of eps^2: share of the energy of the vertical motion that bounces take
+  fit::Estimate eps;         ///< root mean square
+  double energy_lost = 0.0;  ///< 1 - eps^2: share of the energy of the vertical motion that bounces take
 };
 Description members_of(const SpeedAndRestitution*);
 
@@ -50,13 +50,11 @@ Description members_of(const RecordingAnswer*);
 
 /// The result for somebody who asks "what is the coefficient of restitution of my ball?".
 struct PlainAnswer {
-  /// At the node in the middle; absent where nothing could be fitted or recordings do not agree.
+  /// At the node in the middle, or beside a step; absent where nothing could be fitted or recordings do not agree.
   std::optional<SpeedAndRestitution> at;
-  /// At the least and the greatest node, where eps differs there from `at` by more than three standard errors of the
-  /// difference.
+  /// At the greatest and the least speed, where the 95 % interval of the change from the middle does not hold 0.
   std::vector<SpeedAndRestitution> elsewhere;
-  bool one_value = false;    ///< too few samples for a curve: one eps for all speeds
-  bool with_memory = false;  ///< from the fit with memory, which holds
+  bool one_value = false;  ///< one speed alone
   DropsSeen seen;
   std::vector<RecordingAnswer> recordings;  ///< empty where there is one
   std::vector<std::string> sentences;       ///< all of this in words, most important first

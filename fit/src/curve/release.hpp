@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <utility>
 #include <vector>
 
 #include "bouncelab/core/samples.hpp"
@@ -19,11 +18,13 @@ struct FirstFlights {
 /// Of all samples of impact 1, those within a hundredth together: the height over v^2 is one for them.
 std::vector<FirstFlights> first_flights(const RestitutionSamples& samples);
 
-/// Logarithm of the height of release, and its standard error. The launch u follows from the flight, the speed of
+/// The speed of the impact that they began with, nearly: by the eps of the impact that ended them.
+double speed_of_first_impact(const FirstFlights& flights);
+
+/// Logarithm of the height of release. The launch u follows from the flight, the speed of
 /// impact 0 is w = u/eps, and a fall through the air from the height lands with it.
-/// @param eps, se  of impact 0
-std::pair<double, double> ln_release_height(const FirstFlights& flights, const OneAirAndContact& one, double eps,
-                                            double se);
+/// @param eps  of impact 0
+double ln_release_height(const FirstFlights& flights, const OneAirAndContact& one, double eps);
 
 /// Heights of the drops of one speed. @param ln_height  that of `flights.v_mps`
 void add_heights(const FirstFlights& flights, const Estimate& ln_height, std::vector<ReleaseHeight>& heights);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "averaged/release.hpp"
+#include "curve/release.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -23,14 +23,12 @@ std::vector<FirstFlights> first_flights(const RestitutionSamples& samples) {
   return all;
 }
 
-std::pair<double, double> ln_release_height(const FirstFlights& flights, const OneAirAndContact& one, double eps,
-                                            double se) {
+double speed_of_first_impact(const FirstFlights& flights) { return flights.v_mps / std::clamp(flights.eps, 0.1, 1.0); }
+
+double ln_release_height(const FirstFlights& flights, const OneAirAndContact& one, double eps) {
   constexpr double kLeastEps = 0.05, kHighest_m = 1e4;  // at its limit speed a ball may come from anywhere
   const double launch_mps = one.flight_before(flights.v_mps, eps).launch_mps;
-  const auto at = [&](double of_first) {
-    return log(std::min(kHighest_m, one.fall_height_m(launch_mps / std::max(kLeastEps, of_first))));
-  };
-  return {at(eps), 0.5 * (at(eps - se) - at(eps + se))};
+  return log(std::min(kHighest_m, one.fall_height_m(launch_mps / std::max(kLeastEps, eps))));
 }
 
 void add_heights(const FirstFlights& flights, const Estimate& ln_height, std::vector<ReleaseHeight>& heights) {

@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "curve/plate_samples.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <string>
+#include <utility>
+
+#include "bouncelab/core/elementary.hpp"
+
+namespace bouncelab::fit {
+namespace {
+
+constexpr std::size_t kLongestPiece = 128;
+
+/// d eps / d t of the onsets before, at and after an impact [1/s], eps the ratio of the intervals; and the time of each.
+struct OfOnsets {
+  std::array<double, 3> by_time{};
+  double sigma_t2 = 0.0;  ///< of one onset, if all three are known alike [s^2]
+};
+OfOnsets of_onsets(const RestitutionSample& s, double gravity_mps2) {
+  OfOnsets of;
+  const double before_s = 2.0 * s.v_mps / gravity_mps2;
+  if (s.impact == 0)  // of a drop from a known height
+    of.by_time = {0.0, -1.0 / before_s, 1.0 / before_s};
+  else
+    of.by_time = {s.eps / before_s, -(1.0 + s.eps) / before_s, 1.0 / before_s};
+  double squares = 0.0;
+  for (const double a : of.by_time) squares += a * a;
+  of.sigma_t2 = square(s.sigma_eps.value_or(0.0)) / squares;
+  return of;
+}
+
+/// Rows of one drop by their impacts, and the variances of the onsets that they are made of.
+struct Drop {
+  std::vector<std::size_t> rows;
+  std::map<std::int64_t, std::pair<double, double>> onsets;  ///< sum of sigma_t^2, number of samples
+};
+
+}  // namespace
+
+PlateSamples plate_samples(const RestitutionSamples& samples, const AirAndContact& known, Deviation at) {
+  std::vector<Drop> drops;
+  std::map<std::pair<std::string, std::int64_t>, std::size_t> number_of;
+  for (std::size_t k = 0; k < samples.size(); ++k) {
+    const RestitutionSample& s = samples[k];
+    const auto [found, is_new] = number_of.try_emplace({s.recording, s.drop}, drops.size());
+    if (is_new) drops.emplace_back();
+    Drop& drop = drops[found->second];
+    drop.rows.push_back(k);
+    const OfOnsets of = of_onsets(s, known.gravity_mps2);
+    for (int j = -1; j <= 1; ++j) {
+      auto& [sum, n] = drop.onsets[s.impact + j];
+      sum += of.sigma_t2, n += 1.0;
+    }
+  }
+  PlateSamples all;
+  all.n_drops = drops.size();
+  const auto n = static_cast<Eigen::Index>(samples.size());
+  const Eigen::Index n_open = (known.has_drag ? 1 : 0) + (known.has_contact ? 1 : 0);
+  all.x.resize(n), all.eps.resize(n), all.impact.resize(n);
+  all.dx.resize(n, n_open), all.deps.resize(n, n_open);
+  all.timing = Eigen::MatrixXd::Zero(n, 3);
+  all.ln_jacobian_slopes = Eigen::VectorXd::Zero(n_open);
+  constexpr double kStep = 0.02;  // in ln: derivatives of a smooth transformation
+  const OneAirAndContact here(known, at);
+  std::vector<std::pair<OneAirAndContact, OneAirAndContact>> beside;
+  const auto add_beside = [&](Deviation step) {
+    beside.emplace_back(OneAirAndContact(known, {at.ln_kappa + step.ln_kappa, at.ln_tau + step.ln_tau}),
+                        OneAirAndContact(known, {at.ln_kappa - step.ln_kappa, at.ln_tau - step.ln_tau}));
+  };
+  if (known.has_drag) add_beside({kStep, 0.0});
+  if (known.has_contact) add_beside({0.0, kStep});
+  Eigen::Index row = 0;
+  for (Drop& drop : drops) {
+    std::stable_sort(drop.rows.begin(), drop.rows.end(),
+                     [&](std::size_t a, std::size_t b) { return samples[a].impact < samples[b].impact; });
+    std::vector<std::array<double, 3>> by_time;  // of the rows of this drop, times the standard error of each onset
+    for (std::size_t k = 0; k < drop.rows.size(); ++k, ++row) {
+      const RestitutionSample& s = samples[drop.rows[k]];
+      const bool from_height = s.impact == 0;
+      const auto moved = [&](const OneAirAndContact& one) {
+        return known.is_open() ? one.at_the_plate(s.v_mps, s.eps, from_height) : AtThePlate{s.v_mps, s.eps, 1.0};
+      };
+      const AtThePlate plate = moved(here);
+      all.x[row] = log(plate.v_mps);
+      all.impact[row] = static_cast<double>(s.impact);
+      all.ln_jacobian += log(plate.stretch);
+      for (std::size_t j = 0; j < beside.size(); ++j) {
+        const auto column = static_cast<Eigen::Index>(j);
+        const AtThePlate up = moved(beside[j].first), down = moved(beside[j].second);
+        all.dx(row, column) = log(up.v_mps / down.v_mps) / (2.0 * kStep);
+        all.deps(row, column) = (up.eps - down.eps) / (2.0 * kStep);
+        all.ln_jacobian_slopes[column] += log(up.stretch / down.stretch) / (2.0 * kStep);
+      }
+      const OfOnsets of = of_onsets(s, known.gravity_mps2);
+      // a ratio of two noisy intervals is too large on average, to second order
+      all.eps[row] = plate.eps - (from_height ? 0.0 : of.sigma_t2 * square(of.by_time[2]) * (1.0 + 2.0 * plate.eps));
+      by_time.push_back(of.by_time);
+      for (int j = -1; j <= 1; ++j) {
+        const auto& [sum, n_samples] = drop.onsets[s.impact + j];
+        by_time.back()[static_cast<std::size_t>(j + 1)] *= plate.stretch * std::sqrt(sum / n_samples);
+      }
+      for (const double a : by_time.back()) all.timing(row, 0) += a * a;
+      for (std::size_t back = 1; back <= 2 && back <= k; ++back) {
+        const std::int64_t lag = s.impact - samples[drop.rows[k - back]].impact;
+        const std::array<double, 3>& other = by_time[k - back];
+        double covariance = 0.0;
+        for (std::int64_t j = 0; lag > 0 && j + lag < 3; ++j)
+          covariance += by_time.back()[static_cast<std::size_t>(j)] * other[static_cast<std::size_t>(j + lag)];
+        all.timing(row - static_cast<Eigen::Index>(back), static_cast<Eigen::Index>(back)) = covariance;
+      }
+      if (k % kLongestPiece == 0) all.pieces.push_back({row, 0});
+      ++all.pieces.back().n;
+    }
+  }
+  return all;
+}
+
+std::vector<Eigen::Index> rows_of_some(const PlateSamples& samples, Eigen::Index most) {
+  const std::size_t stride =
+      std::max<std::size_t>(1, static_cast<std::size_t>((samples.size() + most - 1) / std::max<Eigen::Index>(1, most)));
+  std::vector<Eigen::Index> rows;
+  for (std::size_t k = 0; k < samples.pieces.size(); k += stride)
+    for (Eigen::Index i = 0; i < samples.pieces[k].n; ++i) rows.push_back(samples.pieces[k].begin + i);
+  return rows;
+}
+
+PlateSamples part_of(const PlateSamples& samples, const std::vector<Eigen::Index>& rows) {
+  PlateSamples part = samples;
+  part.x = samples.x(rows), part.eps = samples.eps(rows), part.impact = samples.impact(rows);
+  part.dx = samples.dx(rows, Eigen::all), part.deps = samples.deps(rows, Eigen::all);
+  part.timing = samples.timing(rows, Eigen::all);
+  part.pieces.clear();
+  Eigen::Index row = 0;
+  for (const PlateSamples::Piece& piece : samples.pieces)
+    if (row < part.size() && rows[static_cast<std::size_t>(row)] == piece.begin) {
+      part.pieces.push_back({row, piece.n});
+      row += piece.n;
+    }
+  return part;
+}
+
+}  // namespace bouncelab::fit
