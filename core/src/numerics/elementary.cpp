@@ -21,9 +21,18 @@ __attribute__((target("avx"))) __m256d Sleef_cinz_logd4_u10avx(__m256d);
 // NOLINTEND(readability-identifier-naming)
 #endif
 
+#ifdef __wasm_simd128__
+#include <wasm_simd128.h>
+extern "C" v128_t Sleef_cinz_expd2_u10sse4(v128_t);  // put into the library by tools/web/build
+#endif
+
 namespace bouncelab {
 
+#ifdef __wasm_simd128__
+double exp(double x) { return wasm_f64x2_extract_lane(Sleef_cinz_expd2_u10sse4(wasm_f64x2_splat(x)), 0); }
+#else
 double exp(double x) { return Sleef_cinz_expd1_u10purec(x); }
+#endif
 double log(double x) { return Sleef_cinz_logd1_u10purec(x); }
 double sin(double x) { return Sleef_cinz_sind1_u10purec(x); }
 double cos(double x) { return Sleef_cinz_cosd1_u10purec(x); }
@@ -67,6 +76,9 @@ struct Log {
 void exp_each(std::span<double> x) {
 #ifdef BOUNCELAB_FOUR_AT_ONCE
   if (__builtin_cpu_supports("avx")) return four_at_once<Exp>(x);
+#endif
+#ifdef __wasm_simd128__
+  for (; x.size() > 1; x = x.subspan(2)) wasm_v128_store(x.data(), Sleef_cinz_expd2_u10sse4(wasm_v128_load(x.data())));
 #endif
   for (double& one : x) one = exp(one);
 }

@@ -19,8 +19,8 @@ inline constexpr int kMostMemoryLawParameters = 5, kTestedParameters = 2;
 /// A number that carries its derivatives (automatic differentiation). Of one size: each size is compiled anew.
 using Jet = ceres::Jet<double, kMostMemoryLawParameters + 3 + static_cast<int>(kSlipTimes) + kTestedParameters>;
 
-inline double value_of(double x) { return x; }
-inline double value_of(const Jet& x) { return x.a; }
+inline double number_of(double x) { return x; }
+inline double number_of(const Jet& x) { return x.a; }
 
 template <class T>
 T square_of(const T& x) {
@@ -33,7 +33,7 @@ template <class T>
 T rounded_positive(const T& x, const T& square) {
   using std::sqrt;
   const T r = sqrt(x * x + square);
-  if (value_of(x) >= 0.0) return 0.5 * (x + r);
+  if (number_of(x) >= 0.0) return 0.5 * (x + r);
   return 0.5 * square / (r - x);
 }
 
@@ -178,7 +178,7 @@ Emission<T> emission(const EmissionInput<T>& in) {
   const Saddlepoint found = saddlepoint(values_of(in));
   // one step with derivatives: of the solution by all it depends on
   const T s = found.s - (first_cumulant(in, T(found.s)) - in.y) / found.curvature;
-  out.saddlepoint = value_of(s);
+  out.saddlepoint = number_of(s);
   const Cumulants<T> c(in, s);
   const T inverse = 1.0 / c.k2, skew = c.k3 * inverse * inverse;
   constexpr double kInverseRootTwoPi = 0.3989422804014327;

@@ -31,9 +31,9 @@ Targets targets_of(const std::vector<Component<T>>& components, double least_boo
   double weight = 0.0, mean = 0.0, spread = 0.0;
   for (std::size_t k = 0; k < components.size(); ++k) {
     const Component<T>& c = components[k];
-    const double w = value_of(c.weight);
+    const double w = number_of(c.weight);
     if (!(w > kWithoutWeight)) continue;
-    const double book = value_of(c.book), own = value_of(c.variance);
+    const double book = number_of(c.book), own = number_of(c.variance);
     const double both = weight + w, joint = (weight * mean + w * book) / both;
     const double joint_spread = (weight * (spread + square(mean - joint)) + w * (own + square(book - joint))) / both;
     const double room = joint - least_book;
@@ -65,7 +65,7 @@ Component<T> joint_component(const std::vector<const Component<T>*>& parts) {
     mean += weighed;
     spread += c->weight * c->variance + weighed * book;
   }
-  if (!(value_of(weight) > 0.0)) return *parts.front();
+  if (!(number_of(weight) > 0.0)) return *parts.front();
   const T inverse = 1.0 / weight;
   mean *= inverse;
   return {weight, origin + mean, spread * inverse - mean * mean};
@@ -281,17 +281,17 @@ class ChainFilter {
       in.reservoir = rounded_positive<T>(c.book - 2.0 * v * speed_mean, soft);
       emissions_.push_back(emission(in));
       const Emission<T>& em = emissions_.back();
-      if (transforms) tail += value_of(c.weight) * probability_below(in, em);
+      if (transforms) tail += number_of(c.weight) * probability_below(in, em);
       // book of energies: what came, what went, what the bounce dissipated
       const T offset = mean_offset_square(in.reservoir, reach, y / (v * one_e), q);
       const T gain = em.by_reservoir, bend = c.variance * em.curvature_by_reservoir;
       c.book += c.variance * gain + square(v) - square(after) - loss * (1.0 + offset);
-      c.variance = (value_of(bend) < 0.0 ? c.variance / (1.0 - bend) : c.variance * (1.0 + bend)) + loss_variance;
+      c.variance = (number_of(bend) < 0.0 ? c.variance / (1.0 - bend) : c.variance * (1.0 + bend)) + loss_variance;
     }
     const Together all = together();
     if (transforms) {
       // the weight of contacts shifts the distribution by f K'' / (v (1 + e))
-      const double shift = all.variance * exp(value_of(all.log_density)) / (v * value_of(one_e));
+      const double shift = all.variance * exp(number_of(all.log_density)) / (v * number_of(one_e));
       transforms->push_back(std::clamp(tail - shift, 0.0, 1.0));
     }
     errors_.update(all.by_noise, -2.0 * v * all.by_reservoir, all.curvature_by_noise);
@@ -316,30 +316,30 @@ class ChainFilter {
     constexpr double kLogTwo = 0.6931471805599453;
     double highest = -HUGE_VAL;
     for (std::size_t k = 0; k < components_.size(); ++k) {
-      const double weight = value_of(components_[k].weight);
-      if (weight > 0.0) highest = std::max(highest, value_of(emissions_[k].exponent) + kLogTwo * std::ilogb(weight));
+      const double weight = number_of(components_[k].weight);
+      if (weight > 0.0) highest = std::max(highest, number_of(emissions_[k].exponent) + kLogTwo * std::ilogb(weight));
     }
     T sum(0.0), gain(0.0), gain2(0.0), by_reservoir(0.0);
     double variance = 0.0;
     for (std::size_t k = 0; k < components_.size(); ++k) {
       const Emission<T>& em = emissions_[k];
       const T& before = components_[k].weight;
-      const T weight = value_of(before) > 0.0 ? T(before * em.factor * exp(em.exponent - highest)) : T(0.0);
+      const T weight = number_of(before) > 0.0 ? T(before * em.factor * exp(em.exponent - highest)) : T(0.0);
       components_[k].weight = weight;
       sum += weight;
       gain += weight * em.by_noise;
       gain2 += weight * (square_of(em.by_noise) + em.curvature_by_noise);
       by_reservoir += weight * em.by_reservoir;
-      variance += value_of(weight) * value_of(em.variance);
+      variance += number_of(weight) * number_of(em.variance);
     }
     const T inverse_sum = 1.0 / sum;
     for (Component<T>& c : components_) {
       c.weight *= inverse_sum;
-      if (!(value_of(c.weight) > kNoWeight)) c.weight = T(0.0);
+      if (!(number_of(c.weight) > kNoWeight)) c.weight = T(0.0);
     }
     gain *= inverse_sum;
     return {highest + log(sum), gain, gain2 * inverse_sum - gain * gain, by_reservoir * inverse_sum,
-            variance / value_of(sum)};
+            variance / number_of(sum)};
   }
 
   /// Less is none: what is divided by it, and by its square, stays finite.

@@ -49,11 +49,11 @@ class FirstReservoir {
     // in place of a mean that is not positive, as parameters drawn from few drops may have it: components() refuses it
     constexpr double kLeastScale_m2ps2 = 1e-30;
     FirstNodes nodes;
-    const double all_mean = value_of(mean());
+    const double all_mean = number_of(mean());
     nodes.scale = all_mean > kLeastScale_m2ps2 ? all_mean : kLeastScale_m2ps2;
     double highest = -HUGE_VAL, softness = 0.0;
     follow(chain_.impacts.size(), [&](std::size_t i, const Bound& bound) {
-      const double least = value_of(bound.least) - 4.0 * bound.softness;
+      const double least = number_of(bound.least) - 4.0 * bound.softness;
       if (least <= highest) return;
       highest = least;
       nodes.tightest = i;
@@ -89,16 +89,16 @@ class FirstReservoir {
     const std::vector<double> below = widths(nodes.below_least), above = widths(nodes.above_least);
     for (std::size_t k = below.size(); k-- > 0;) add(-nodes.below_least[k], below[k]);
     for (std::size_t k = 0; k < above.size(); ++k) add(nodes.above_least[k], above[k]);
-    return value_of(all_mean) > 0.0 ? T(-least * inverse_mean) : T(std::numeric_limits<double>::quiet_NaN());
+    return number_of(all_mean) > 0.0 ? T(-least * inverse_mean) : T(std::numeric_limits<double>::quiet_NaN());
   }
 
   /// Before each impact the least book of energies that it and later impacts allow [m^2/s^2].
   std::vector<double> least_books() const {
     std::vector<double> slope, offset, least;
     follow(chain_.impacts.size(), [&](std::size_t, const Bound& bound) {
-      slope.push_back(value_of(bound.slope));
-      offset.push_back(value_of(bound.offset));
-      least.push_back(value_of(bound.least));
+      slope.push_back(number_of(bound.slope));
+      offset.push_back(number_of(bound.offset));
+      least.push_back(number_of(bound.least));
     });
     std::vector<double> books(least.size());
     double highest = -HUGE_VAL;
@@ -138,11 +138,11 @@ class FirstReservoir {
       const ChainImpact& m = chain_.impacts[i];
       const T& e = law_[i].eps;
       const T y = m.v_after_mps - e * m.v_mps;
-      const double timing = m.timing_before + m.timing, height = square(m.height_mps) * value_of(height_variance_);
+      const double timing = m.timing_before + m.timing, height = square(m.height_mps) * number_of(height_variance_);
       const double d_variance = timing + 2.0 * height;
       const double y_variance = 4.0 * d_variance;
       // 4 v y / (1 + e), where that is positive
-      const double soft_y = y_variance + square(0.1 * value_of(p_.q) * m.v_mps);
+      const double soft_y = y_variance + square(0.1 * number_of(p_.q) * m.v_mps);
       const T need = 4.0 * m.v_mps / (1.0 + e) * rounded_positive<T>(y, T(soft_y));
       const double softness =
           std::sqrt(square(2.0 * m.v_mps) * (d_variance + 4.0 * height) + square(2.0 * m.v_mps) * y_variance);
