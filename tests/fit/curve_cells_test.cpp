@@ -44,39 +44,54 @@ int tables_of_a_cell(int few, int many) {
   return n > 1 ? n : test::repetitions(few, many);
 }
 
+Cell cell_of(const std::string& law, int n_drops, int most_bounces) {
+  Cell cell;
+  cell.law = law;
+  cell.n_drops = n_drops;
+  cell.most_bounces = most_bounces;
+  if (law == "step") cell.height_m = {0.15, 0.5};  // or its speed would not be met in the middle
+  return cell;
+}
+
+Cell with_own_loss(Cell cell) {
+  cell.variant = "offset";
+  cell.along = AlongDrop::offset;
+  cell.along_size = 1.0;
+  return cell;
+}
+
+Cell with_memory(Cell cell) {
+  cell.variant = "ar";
+  cell.along = AlongDrop::ar;
+  cell.along_size = 0.8;
+  return cell;
+}
+
+Cell with(Cell cell, double Cell::*member, double value, const std::string& variant) {
+  cell.*member = value;
+  cell.variant = variant;
+  return cell;
+}
+
 std::vector<Cell> all_cells() {
   std::vector<Cell> cells;
-  const auto add = [&](
-                       const std::string& law, int n_drops, int most_bounces, const std::string& variant = "",
-                       void (*change)(Cell&) = [](Cell&) {}) {
-    Cell cell;
-    cell.law = law;
-    cell.n_drops = n_drops;
-    cell.most_bounces = most_bounces;
-    cell.variant = variant;
-    if (law == "step") cell.height_m = {0.15, 0.5};  // or its speed would not be met in the middle
-    change(cell);
-    cells.push_back(cell);
-  };
   for (const testing::DrawnLaw& law : testing::drawn_laws())
-    for (const int n_drops : {1, 3, 10, 60}) add(law.name, n_drops, law.name == "step" ? 20 : 12);
-  for (const char* law : {"const90", "kink"}) {
-    for (const int most_bounces : {4, 25}) add(law, 10, most_bounces);
-    add(law, 3, 4);
-    add(law, 1, 25);
-    const auto own_loss = [](Cell& cell) { cell.along = AlongDrop::offset, cell.along_size = 1.0; };
-    for (const int n_drops : {1, 3, 10}) add(law, n_drops, 12, "offset", own_loss);
-    add(law, 10, 12, "ar", [](Cell& cell) { cell.along = AlongDrop::ar, cell.along_size = 0.8; });
-    add(law, 10, 12, "skewed", [](Cell& cell) { cell.skew = 2.0; });
-    add(law, 10, 12, "outliers", [](Cell& cell) { cell.outliers = 0.03; });
-    add(law, 10, 12, "times1ms", [](Cell& cell) { cell.sigma_t_s = 1e-3; });
-    add(law, 10, 12, "threshold", [](Cell& cell) { cell.threshold_mps = 0.5; });
-    add(law, 10, 12, "scatter2", [](Cell& cell) { cell.scatter = 0.02; });
+    for (const int n_drops : {1, 3, 10, 60}) cells.push_back(cell_of(law.name, n_drops, law.name == "step" ? 20 : 12));
+  for (const char* law : {"const90", "kink", "visco", "thornton"}) {
+    cells.push_back(cell_of(law, 1, 25));
+    cells.push_back(cell_of(law, 10, 4));
+    cells.push_back(with(cell_of(law, 10, 12), &Cell::scatter, 0.02, "scatter2"));
   }
-  for (const char* law : {"visco", "thornton"}) {
-    add(law, 1, 25);
-    add(law, 10, 4);
-    add(law, 10, 12, "scatter2", [](Cell& cell) { cell.scatter = 0.02; });
+  for (const char* law : {"const90", "kink"}) {
+    cells.push_back(cell_of(law, 3, 4));
+    cells.push_back(cell_of(law, 10, 25));
+    for (const int n_drops : {1, 3, 10}) cells.push_back(with_own_loss(cell_of(law, n_drops, 12)));
+    const Cell base = cell_of(law, 10, 12);
+    cells.push_back(with_memory(base));
+    cells.push_back(with(base, &Cell::skew, 2.0, "skewed"));
+    cells.push_back(with(base, &Cell::outliers, 0.03, "outliers"));
+    cells.push_back(with(base, &Cell::sigma_t_s, 1e-3, "times1ms"));
+    cells.push_back(with(base, &Cell::threshold_mps, 0.5, "threshold"));
   }
   return cells;
 }

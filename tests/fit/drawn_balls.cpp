@@ -195,8 +195,11 @@ IntegratedFlight FlightTable::at(double launch_mps, double drag_factor) const {
 
 double FlightTable::launch_mps(double duration_s, double drag_factor) const {
   double u_mps = 0.5 * kDrawnGravity_mps2 * duration_s;
-  // duration over launch speed hardly changes: each time a tenth of the error at most is left
-  for (int i = 0; i < 10; ++i) u_mps *= duration_s / at(u_mps, drag_factor).duration_s;
+  // duration over launch speed hardly changes: of the error a tenth at most is left
+  for (double ratio = 2.0; std::abs(ratio - 1.0) > 1e-12;) {
+    ratio = duration_s / at(u_mps, drag_factor).duration_s;
+    u_mps *= ratio;
+  }
   return u_mps;
 }
 
@@ -229,6 +232,7 @@ DrawnTable draw(const Cell& cell, std::uint64_t number) {
       onset.t_s = t_s + cell.sigma_t_s * random.normal();
       onset.sigma_t_s = cell.sigma_t_s;
       table.onsets.push_back(onset);
+      table.exact_s.push_back(t_s);
       const double eps = law.eps(v_mps, law.constants) + cell.scatter_at(v_mps) * z[static_cast<std::size_t>(k)];
       const IntegratedFlight flight = flights.at(std::max(v_mps * eps, 0.06), table.kappa_factor);
       t_s += ball.tau_1_s * table.tau_factor * std::pow(v_mps, ball.tau_exponent) + flight.duration_s;

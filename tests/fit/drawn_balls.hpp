@@ -77,6 +77,7 @@ struct Cell {
 /// Of one experiment, and what is true of it.
 struct DrawnTable {
   Onsets onsets;
+  std::vector<double> exact_s;                  ///< the onsets' times without their errors
   double kappa_factor = 1.0, tau_factor = 1.0;  ///< against the standard curve, and the ball's tau
   std::vector<double> offsets;                  ///< of each drop, in standard deviations of the scatter
   std::vector<std::vector<bool>> is_outlier;    ///< by drop and impact
