@@ -22,8 +22,8 @@ SpeedAndEps sample_at_plate(const DrawnBall& ball, double before_s, double after
   const auto tau_s = [&](double v) { return std::exp(ln_tau) * ball.tau_1_s * std::pow(v, ball.tau_exponent); };
   SpeedAndEps sample{0.0, after_s / before_s};
   double up_mps = 0.5 * kDrawnGravity_mps2 * before_s;
-  // The contact before the flight was at up/eps of the impact before, about that of this one. Twice, for the flight is
-  // not all of the interval: with contacts of 5 ms and eps = .9 of 60 drops the rest were two standard errors.
+  // the contact before the flight was at up/eps of the impact before, about that of this one; three rounds, for the
+  // flight is not all of the interval
   for (int i = 0; i < 3; ++i) {
     up_mps = flights.launch_mps(before_s - tau_s(up_mps / std::clamp(sample.eps, 0.2, 1.0)), kappa_factor);
     sample.v_mps = flights.at(up_mps, kappa_factor).landing_mps;
@@ -126,7 +126,8 @@ class Oracle {
       const auto k = static_cast<std::size_t>(i);
       // Where weights went by the times as heard, a late impact would count more. And the flight after is that of the
       // law: with the fluctuation in it the derivatives by drag and contact time would go with the residual, which is
-      // as much as the Jacobian of eps by the interval (of 60 drops of a superball two standard errors).
+      // as much as the Jacobian of eps by the interval (of 60 drops of a superball
+      // .7 standard errors of eps on average).
       const double before_s = drop.exact_s[k + 1] - drop.exact_s[k];
       const double v_mps = sample(before_s, drop.exact_s[k + 2] - drop.exact_s[k + 1], 0.0, 0.0).v_mps;
       const double after_s = interval_s(v_mps);
