@@ -34,7 +34,7 @@ constexpr double kReach95 = 1.959963984540054;
 
 /// The estimates that are judged; none: no answer.
 std::vector<NodeEstimate> stated_nodes(const FitResult& result) {
-  return result.averaged ? result.averaged->nodes : std::vector<NodeEstimate>{};
+  return result.curve ? result.curve->nodes : std::vector<NodeEstimate>{};
 }
 
 /// How many tables a cell has; BOUNCELAB_STATISTICS=N above 1: N.
