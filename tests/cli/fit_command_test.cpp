@@ -87,7 +87,7 @@ TEST_F(FitCommand, WhatIsAskedForIsInTheResult) {
   std::string line;
   std::getline(csv, line);
   EXPECT_EQ(line, "v_mps,eps,lo95,hi95");
-  for (const Json& point : found()["averaged"]["curve"].elements()) {
+  for (const Json& point : found()["curve"]["points"].elements()) {
     ASSERT_TRUE(std::getline(csv, line));
     EXPECT_DOUBLE_EQ(std::stod(line.substr(line.find(',') + 1)), point["eps"].number()) << line;
   }

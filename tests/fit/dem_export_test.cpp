@@ -5,9 +5,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "bouncelab/core/restitution_law.hpp"
+#include "bouncelab/fit/fit.hpp"
 #include "dem/decks.hpp"
 #include "synthetic_samples.hpp"
 
@@ -18,8 +21,28 @@ RestitutionSamples viscoelastic_samples() {
   return testing::independent_samples({.law = ViscoelasticLaw{0.1}}, 2000, 0.2, 1.4, 0.0);
 }
 
-DemExport exported(const LawFit& fit, double v_mps = 0.6) {
-  const auto result = dem_export(fit, v_mps, ball_from_text("steel:6mm"), kGlass);
+/// What dem_export is given of a fit.
+struct Fitted {
+  Curve curve;
+  std::optional<ScatterModel> scatter;
+};
+
+Fitted fitted(const RestitutionSamples& samples, LawKind kind = LawKind::series) {
+  FitConfig config;
+  config.law.kind = kind;
+  config.n_goodness = 0;
+  config.compare_recordings = false;
+  const FitResult result = fit_all(samples, config);
+  return {result.curve.value(), result.law.scatter};
+}
+
+const Fitted& viscoelastic() {
+  static const Fitted of = fitted(viscoelastic_samples());
+  return of;
+}
+
+DemExport exported(const Fitted& fit, double v_mps = 0.6) {
+  const auto result = dem_export(fit.curve, fit.scatter, v_mps, ball_from_text("steel:6mm"), kGlass);
   EXPECT_TRUE(result);
   return result.value_or(DemExport{});
 }
@@ -37,19 +60,16 @@ TEST(DemExport, HandsOverTheRootMeanSquareOfTheSamplesNotTheirPeak) {
   skew.below_at_1mps = 0.06;
   skew.above_at_1mps = 0.006;
   auto samples = testing::independent_samples(skew, 4000, 0.55, 0.65, 0.0);
-  LawFitConfig config;
-  config.kind = LawKind::constant;
-  const LawFit fit = fit_law(samples, config);
   double squares = 0.0;
   for (const RestitutionSample& s : samples) squares += s.eps * s.eps / static_cast<double>(samples.size());
-  const DemExport all = exported(fit);
+  const DemExport all = exported(fitted(samples, LawKind::constant));
   EXPECT_NEAR(all.eps * all.eps, squares, 5e-3);  // 0.1/sqrt(4000) twice over
   EXPECT_GT(all.peak, all.mean + 0.05);
   EXPECT_GT(all.eps, all.mean);
 }
 
 TEST(DemExport, HasInputsOfAllCodesAtTheSpeedStated) {
-  const DemExport all = exported(fit_law(viscoelastic_samples(), {}));
+  const DemExport all = exported(viscoelastic());
   for (const char* program : {"LIGGGHTS", "LAMMPS", "Yade", "MercuryDPM"}) {
     const Snippet* s = find(all, program, "constant");
     ASSERT_TRUE(s) << program;
@@ -58,44 +78,41 @@ TEST(DemExport, HasInputsOfAllCodesAtTheSpeedStated) {
   }
   for (const Snippet& s : all.snippets) EXPECT_EQ(s.text.find('@'), std::string::npos) << s.text;
   EXPECT_THAT(all.warning, ::testing::Not(::testing::HasSubstr("outside")));
-  EXPECT_THAT(dem_export(fit_law(viscoelastic_samples(), {}), 5.0, {}, {})->warning,
+  EXPECT_THAT(dem_export(viscoelastic().curve, viscoelastic().scatter, 5.0, {}, {})->warning,
               ::testing::HasSubstr("outside the data"));
 }
 
 TEST(DemExport, HasViscoelasticContactsWhereASphereExplainsTheCurveAndSaysSoWhereNot) {
-  const DemExport all = exported(fit_law(viscoelastic_samples(), {}));
+  const DemExport all = exported(viscoelastic());
   ASSERT_TRUE(all.gamma);
   EXPECT_NEAR(*all.gamma, 0.1, 5e-4);  // scatter of 7e-4 over 2,000 samples, eps changes by 1 with gamma
   for (const char* program : {"LIGGGHTS", "LAMMPS", "Yade"}) EXPECT_TRUE(find(all, program, "viscoelastic")) << program;
   testing::SyntheticRun rises;
   rises.law = TableLaw{{0.2, 1.4}, {0.80, 0.85}};
-  const DemExport none = exported(fit_law(testing::independent_samples(rises, 2000, 0.2, 1.4, 0.0), {}));
+  const DemExport none = exported(fitted(testing::independent_samples(rises, 2000, 0.2, 1.4, 0.0)));
   EXPECT_FALSE(none.gamma);
   EXPECT_FALSE(find(none, "LAMMPS", "viscoelastic"));
   EXPECT_THAT(none.warning, ::testing::HasSubstr("no viscoelastic model"));
 }
 
 TEST(DemExport, SaysWhetherAConstantIsRightAtAllSpeedsOrAtOne) {
-  EXPECT_THAT(exported(fit_law(viscoelastic_samples(), {})).snippets.front().text,
+  EXPECT_THAT(exported(viscoelastic()).snippets.front().text,
               ::testing::HasSubstr("a constant eps is right at 0.6 m/s alone: eps goes from 0.9"));
-  LawFitConfig config;
-  config.kind = LawKind::constant;
-  const DemExport same =
-      exported(fit_law(testing::independent_samples({.law = ConstantLaw{0.85}}, 2000, 0.2, 1.4, 0.0), config));
+  const DemExport same = exported(
+      fitted(testing::independent_samples({.law = ConstantLaw{0.85}}, 2000, 0.2, 1.4, 0.0), LawKind::constant));
   EXPECT_THAT(same.warning, ::testing::HasSubstr("a constant ε is right, within"));
   EXPECT_THAT(same.warning, ::testing::Not(::testing::HasSubstr("alone")));
 }
 
 TEST(DemExport, HasDrawsOfAnyLawAndWithMemoryWhereThatFitIsGiven) {
-  const LawFit fit = fit_law(viscoelastic_samples(), {});
-  const DemExport all = exported(fit);
+  const DemExport all = exported(viscoelastic());
   for (const char* program : {"C++", "Python", "formulas"}) EXPECT_TRUE(find(all, program, "fluctuating")) << program;
   EXPECT_FALSE(find(all, "C++", "memory"));
   MemoryFit memory;
   memory.law = ViscoelasticLaw{0.05};
   memory.curve = {{0.3, 0.95, {}, {}}, {1.1, 0.93, {}, {}}};
   memory.roughness.q.value = 2.5e-5;
-  const auto with = dem_export(fit, 0.6, {}, {}, &memory);
+  const auto with = dem_export(viscoelastic().curve, viscoelastic().scatter, 0.6, {}, {}, &memory);
   ASSERT_TRUE(with);
   const Snippet* sampler = find(*with, "C++", "memory");
   ASSERT_TRUE(sampler);
@@ -110,7 +127,7 @@ TEST(DemExport, ContactIsHertzAndDampingEndsWhereTheCodesEndIt) {
   const double e = 1.0 / ((1 - 0.09) / 200e9 + (1 - 0.22 * 0.22) / 70e9);
   EXPECT_NEAR(contact.k_n_pa / (4.0 / 3.0 * e), 1.0, 1e-3);  // 2.943 has four digits
   EXPECT_NEAR(contact.youngs_modulus_pa / (2 * 0.91 * e), 1.0, 1e-3);
-  const std::string mercury = find(exported(fit_law(viscoelastic_samples(), {})), "MercuryDPM", "constant")->text;
+  const std::string mercury = find(exported(viscoelastic()), "MercuryDPM", "constant")->text;
   const std::string shear = "setEffectiveShearModulus(";
   // 1/G* = 2 (2 - nu)/G of two alike, G = E/(2 (1 + nu)); eight digits are written
   EXPECT_NEAR(std::stod(mercury.substr(mercury.find(shear) + shear.size())) * 4 * 1.3 * 1.7 / contact.youngs_modulus_pa,
@@ -130,20 +147,24 @@ TEST(DemExport, ContactIsHertzAndDampingEndsWhereTheCodesEndIt) {
 }
 
 TEST(DemExport, TableHasTheCurveAndItsBand) {
-  const auto fit = fit_law(testing::independent_samples({}, 2000, 0.2, 1.4, 0.0), {});
-  const Table table = law_table(fit.curve);
-  ASSERT_EQ(table.n_rows(), fit.curve.size());
+  const std::vector<CurvePoint>& points = viscoelastic().curve.points;
+  const Table table = law_table(points);
+  ASSERT_EQ(table.n_rows(), points.size());
   for (std::size_t k = 0; k < table.n_rows(); ++k) {
     EXPECT_LT((*table.reals("lo95"))[k], (*table.reals("eps"))[k]);
     EXPECT_GT((*table.reals("hi95"))[k], (*table.reals("eps"))[k]);
   }
 }
 
-TEST(DemExport, OfNoLawOrEpsAboveOneIsNothing) {
-  EXPECT_FALSE(dem_export({}, 0.6, {}, {}));
-  auto samples = testing::independent_samples({}, 200, 0.2, 1.4, 0.0);
-  for (auto& s : samples) s.eps += 0.2;
-  EXPECT_FALSE(dem_export(fit_law(samples, {}), 0.6, {}, {}));
+TEST(DemExport, OfEpsAboveOneOrOfNoneIsNothing) {
+  for (const double eps : {1.1, 0.0, -0.2}) {
+    Curve curve;
+    curve.nodes = {{0.6, normal_estimate(eps, 1e-3)}};
+    EXPECT_FALSE(dem_export(curve, {}, 0.6, {}, {})) << eps;
+    curve.nodes[0].eps.value = 0.9;
+    curve.points = {{0.2, eps, {}}, {1.4, eps, {}}};
+    EXPECT_FALSE(dem_export(curve, {}, 0.6, {}, {})) << eps;
+  }
 }
 
 }  // namespace

@@ -27,6 +27,8 @@ Estimate estimate_of(const std::vector<NormalPart>& parts, double lo, double hi)
     from = std::min(from, std::max(lo, p.mean - kReach * p.sd));
     to = std::max(to, std::min(hi, p.mean + kReach * p.sd));
   }
+  // what lies beyond altogether is said as it is
+  if (!(total > 0.0) && hi < HUGE_VAL) return estimate_of(parts, -HUGE_VAL, HUGE_VAL);
   double middle = 0.0, variance = 0.0;
   for (const NormalPart& p : parts) middle += p.weight * p.mean;
   middle /= weights;

@@ -17,7 +17,7 @@ struct NormalPart {
 
 /// Quantiles of the sum: the median, 68.27 and 95 % intervals, and half the former as standard error.
 /// @param parts      weights need not add up to 1
-/// @param lo, hi     between which the quantity lies: the normals are cut off there
+/// @param lo, hi     between which the quantity lies: the normals are cut off there, unless all lie beyond
 Estimate estimate_of(const std::vector<NormalPart>& parts, double lo, double hi);
 
 }  // namespace bouncelab::fit
