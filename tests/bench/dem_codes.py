@@ -47,7 +47,7 @@ def main():
     figure, axes = pyplot.subplots(figsize=(7.0, 4.2), layout="constrained")
     every = max(1, len(samples) // 100)
     axes.plot(*zip(*samples[::every]), ".", color="0.75", markersize=3, label="measured")
-    curve = (fit.get("averaged") or fit["law"])["curve"]
+    curve = fit["curve"]["points"]
     axes.plot([p["v_mps"] for p in curve], [p["eps"] for p in curve], color="0.2", label="fitted, ε(v)")
     print("| code | model |", " | ".join(f"{v:g}" for v in SPEEDS_MPS), "|")
     marks = {"LIGGGHTS": "o", "LAMMPS": "s", "Yade": "^"}
