@@ -41,7 +41,8 @@ Description members_of(const FitConfig*) {
       member<&C::law, &LawFitConfig::node_speeds_mps>(
           "nodes", "Speeds at which eps(v) is reported [m/s]; default: below which 10, 50 and 90 % of the samples lie")
           .within(1e-6, 1e3),
-      member<&C::law, &LawFitConfig::orders>("orders", "Orders i of the law's series 1 + sum C_i A_i v^(i/10)").within(2, 10),
+      member<&C::law, &LawFitConfig::orders>("orders", "Orders i of the law's series 1 + sum C_i A_i v^(i/10)")
+          .within(2, 10),
       computed(
           "law_kind", [](const C& c) { return c.law.kind; }, "Form of the law whose constants are fitted")
           .one_of("series,viscoelastic,constant")

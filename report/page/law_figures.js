@@ -100,15 +100,11 @@ function drawCorner(parent, estimates, correlation) {
   draw(parent, 'corner', traces, plotLayout);
 }
 
-function cornersOfLaw() {
-  if (!law || !law.nodes || !law.nodes.length) return;
-  const truths = Object.fromEntries(((summary && summary.constants) || []).map(c => [c.name, c.truth]));
-  const nodeTruth = v => (((summary && summary.eps_nodes) || []).find(n => Math.abs(n.v_mps - v) < 1e-9) || {}).truth;
-  const names = constants.parameters || [], shown = names.filter(isDetermined).map(name => ({name, ...constants[name], truth: truths[name]}));
-  const of = withMemory ? fit.memory : law, nodes = of.nodes.map(n => ({name: `ε(${number(n.v_mps, 3)})`, value: n.eps, se: n.se, ci95: n.ci95, truth: nodeTruth(n.v_mps)}));
-  const drawable = list => list.length > 1 && list.every(e => known(e.value) && known(e.se) && e.se > 0);
-  const how = 'Diagonal: each alone, with its 95% interval as a bar. Below: ellipses that hold 68% and 95%.' + (summary && summary.eps_nodes ? ' Red: what went in.' : '');
-  if (drawable(nodes)) drawCorner(figure('nodes', 'How well the law is known at some speeds, and how its errors go together', 'The law with its few constants, ε of which is the peak. ' + how), nodes, of.node_correlation);
-  if (shown.length === names.length && drawable(shown))
-    drawCorner(figure('constants', `How well ${shown.map(c => c.name).join(', ')} are known`, how + ' Thin ellipses: only a combination of the constants is known.'), shown, constants.correlation);
+function cornerOfConstants() {
+  const truths = Object.fromEntries(((summary && summary.constants) || []).map(c => [c.name, c.truth])), names = constants.parameters || [];
+  const shown = names.filter(isDetermined).map(name => ({name, ...constants[name], truth: truths[name]}));
+  if (shown.length < 2 || shown.length < names.length || !shown.every(e => known(e.value) && known(e.se) && e.se > 0)) return;
+  drawCorner(figure('constants', `How well ${shown.map(c => c.name).join(', ')} are known`,
+                    'Diagonal: each alone, with its 95% interval as a bar. Below: ellipses that hold 68% and 95%.' + (summary && summary.eps_nodes ? ' Red: what went in.' : '') +
+                        ' Thin ellipses: only a combination of the constants is known.'), shown, constants.correlation);
 }

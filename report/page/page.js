@@ -66,7 +66,7 @@ function figures() {
     const randomShare = Math.max(...budget.rows.filter(r => r.n > 1).map(r => Math.sqrt(5 / r.n)));
     drawBudget(figure('budget', 'What limits the result', `Above: where the variance of ε comes from; ${number(100 * randomShare, 1)}% not explained may be random error. Below: what shifts the curve, beside its standard error; a cause that lies above it biases the result.`), budget);
   }
-  cornersOfLaw();
+  cornerOfConstants();
   if (wave && (wave.excerpts || []).length) excerptsSection();
   if (data.diagnostics) diagnosticsSection(data.diagnostics);
 }

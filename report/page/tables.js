@@ -31,11 +31,12 @@ function curveTable() {
   const others = [['mean', curve.mean], ['peak', curve.peak]].filter(([, nodes]) => (nodes || []).some((n, k) => Math.abs(n.eps - curve.nodes[k].eps) > curve.nodes[k].se));
   const scatter = [`Standard deviation of ε from bounce to bounce at the median speed: ${number(curve.scatter, 2)}`,
                    ...(known(curve.scatter_of_drops) ? [`of what the bounces of one drop share: ${number(curve.scatter_of_drops, 2)}`] : [])];
-  const air = [...(curve.kappa_per_m ? [`drag over speed squared ${measured(curve.kappa_per_m.value, curve.kappa_per_m.se)} per m`] : []),
-               ...(curve.contact_s ? [`contact time ${measured(1e3 * curve.contact_s.value, 1e3 * curve.contact_s.se)} ms`] : [])];
+  const within = (e, scale, unit) => `${number(scale * e.ci95[0], 2)} to ${number(scale * e.ci95[1], 2)}${unit}`;  // log-normal
+  const air = [...(curve.kappa_per_m ? [`drag over speed squared ${within(curve.kappa_per_m, 1, ' per m')}`] : []),
+               ...(curve.contact_s ? [`contact time ${within(curve.contact_s, 1e3, ' ms')}`] : [])];
   table('ε at some speeds', ['speed', 'ε ± standard error', '68% interval', '95% interval', 'energy lost', ...others.map(([name]) => `${name} of ε`)],
         curve.nodes.map((n, k) => [speed(n.v_mps), measured(n.eps, n.se), interval(n.ci68), interval(n.ci95), `${(100 * (1 - n.eps ** 2)).toFixed(1)} %`, ...others.map(([, nodes]) => nodes[k] ? measured(nodes[k].eps, nodes[k].se) : '–')]),
-        `ε is the root mean square over bounces, √⟨ε²⟩: energy lost is 1 − ε². ${scatter.join('; ')}.` + (air.length ? ` Taken out of the intervals, at 1 m/s: ${air.join(', ')}.` : '') +
+        `ε is the root mean square over bounces, √⟨ε²⟩: energy lost is 1 − ε². ${scatter.join('; ')}.` + (air.length ? ` Taken out of the intervals, at 1 m/s (95 %): ${air.join(', ')}.` : '') +
         (curve.n_drops === 1 ? ' All of this drop: others may differ.' : ''));
 }
 
@@ -81,6 +82,7 @@ function recordingsTable() {
   const at = (r, v) => { const n = (r.nodes || []).find(node => node.v_mps === v); return n ? measured(n.eps, n.se) : '–'; };
   table('Recordings', ['recording', 'samples', 'drops', ...nodes.map(n => `ε(${speed(n.v_mps)})`), 'offset from one curve'],
         shown.map(r => [shownName(r.recording) || '(no name)', number(r.n), number(r.n_drops), ...nodes.map(n => at(r, n.v_mps)), estimated(r.offset)]),
+        'ε here is that of the law' + (law && law.method === 'asymmetric_laplace' ? ', the peak. ' : '. ') +
         (test ? `Each alone${withMemory ? ', impacts taken as independent' : ''}. One curve for all: p = ${number(test.p_value, 3)} (likelihood ratio ${number(test.likelihood_ratio, 4)} for ${number(test.ndf)} offsets, against the differences between ${test.within}).` : 'Each alone; too few samples to compare them.') +
         (all.length > most ? ` The ${most} furthest off of ${all.length}; all are in fit.json.` : ''));
 }

@@ -102,10 +102,10 @@ Description members_of(const PlainAnswer*) {
           "at",
           "`null` (nothing could be fitted, or recordings do not agree), or ε at the node in the middle, where ε "
           "steps there at another, see below"),
-      member<&A::elsewhere>(
-          "elsewhere",
-          "The same at the greatest and the least speed, each where the 95 % interval of the difference from the middle "
-          "node leaves 0 out; none where ε steps"),
+      member<&A::elsewhere>("elsewhere",
+                            "The same at the greatest and the least speed, each where the 95 % interval of the "
+                            "difference from the middle "
+                            "node leaves 0 out; none where ε steps"),
       member<&A::one_value>("one_value", "One speed alone"),
       member<&A::seen>("seen", "Of the samples' drops, see below"),
       member<&A::recordings>(
