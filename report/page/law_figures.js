@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Pictures of the law eps(v): density and curve, residuals, corners.
+// Pictures of eps(v): density and curve; of the law: residuals, corners.
 
 
 function band(curve, color, name) {
@@ -52,7 +52,7 @@ function drawResiduals(parent, residuals) {
                                                marker: {size: 7, color: blue}, text: used.map(r => r.n)}, extra);
   draw(parent, 'low', [trace('pull', {error_y: {type: 'constant', value: 1, thickness: 1, width: 0, color: grey},
                                       hovertemplate: 'v = %{x:.3f} m/s<br>pull %{y:.2f}<br>%{text} samples<extra></extra>'})],
-       {showlegend: false, xaxis: axis('normal impact speed v (m/s)'), yaxis: axis('pull of ε(v)', {zeroline: true, zerolinecolor: red, zerolinewidth: 1.4})});
+       {showlegend: false, xaxis: axis('normal impact speed v (m/s)'), yaxis: axis('pull of the law', {zeroline: true, zerolinecolor: red, zerolinewidth: 1.4})});
   // mean distances of n exponentially distributed samples are known to 1/sqrt(n)
   draw(parent, 'low', [trace('scatter_ratio', {error_y: {type: 'data', array: used.map(r => r.scatter_ratio / Math.sqrt(r.n)), thickness: 1, width: 0, color: grey},
                                                hovertemplate: 'v = %{x:.3f} m/s<br>%{y:.3f} of the scatter expected<br>%{text} samples<extra></extra>'})],

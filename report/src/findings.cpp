@@ -104,7 +104,7 @@ std::string certainty(const FitResult& r) {
     intervals.push_back(interval_in_words(node.eps) + formatted(" at %.3g m/s", node.v_mps));
   const std::string text =
       "95 % intervals (19 of 20 such intervals hold the true value): ε from " + joined(intervals) +
-      (r.curve->n_drops > 1 ? formatted("; how %zu drops differ is in them.", r.curve->n_drops)
+      (r.curve->n_drops > 1 ? formatted("; they include how the %zu drops differ.", r.curve->n_drops)
                             : std::string(", of this drop: how much other drops differ from it is not known.")) +
       scatter_as_assumed(r);
   return r.constants.parameters.size() > 1 && !describe_constants(r.constants.parameters).empty()
