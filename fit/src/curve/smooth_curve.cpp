@@ -241,7 +241,10 @@ bool SmoothCurve::take_outliers_in(const Noise& noise) {
       const double variance = factor * factor * size2 + other;
       return exp(-0.5 * residual * residual / variance) / std::sqrt(variance);
     };
-    double total = (1.0 - kShareOfOutliers) * std::max(density(1.0), 1e-300), inverse = total;
+    // scatter may be exponential on one side: a normal alone would call its tail outliers and shift the mean
+    const double sd = std::sqrt(size2 + other);
+    const double own = 0.5 * density(1.0) + 0.5 * std::sqrt(kPi / 2.0) * exp(-std::abs(residual) / sd) / sd;
+    double total = (1.0 - kShareOfOutliers) * std::max(own, 1e-300), inverse = total;
     for (const double size : kSizesOfOutliers) {
       const double weight = kShareOfOutliers / std::size(kSizesOfOutliers) * std::max(density(size), 1e-300);
       total += weight, inverse += weight / square(size);
