@@ -41,16 +41,18 @@ Description members_of(const FitConfig*) {
       member<&C::law, &LawFitConfig::node_speeds_mps>(
           "nodes", "Speeds at which eps(v) is reported [m/s]; default: below which 10, 50 and 90 % of the samples lie")
           .within(1e-6, 1e3),
-      member<&C::law, &LawFitConfig::orders>("orders", "Orders i of the series 1 + sum C_i A_i v^(i/10)").within(2, 10),
+      member<&C::law, &LawFitConfig::orders>("orders", "Orders i of the law's series 1 + sum C_i A_i v^(i/10)")
+          .within(2, 10),
       computed(
-          "law_kind", [](const C& c) { return c.law.kind; }, "Form of the law")
+          "law_kind", [](const C& c) { return c.law.kind; }, "Form of the law whose constants are fitted")
           .one_of("series,viscoelastic,constant")
           .set_by(set_law_kind),
       member<method_of>(
           "method",
-          "asymmetric-laplace (eps(v) is the peak), least-squares (the mean), least-absolute (the median) or memory: "
-          "asymmetric-laplace, and beside it the likelihood of each impact given the drop's earlier ones; auto: memory "
-          "from 5 drops of 30 impacts on average on")
+          "How the law's constants are estimated, nothing else: asymmetric-laplace (the law is the peak of p(eps)), "
+          "least-squares (the mean), least-absolute (the median) or memory: asymmetric-laplace, and beside it the "
+          "likelihood of each impact given the drop's earlier ones; auto: memory from 5 drops of 30 impacts on average "
+          "on")
           .one_of("auto,asymmetric-laplace,least-squares,least-absolute,memory")
           .set_by(set_method),
       member<&C::law, &LawFitConfig::n_bootstrap>("bootstrap", "Replicates of the bootstrap by drop, 0 = none")

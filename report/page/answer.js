@@ -70,7 +70,8 @@ function causesBox(causes) {
 
 function lawCaption() {
   return (few ? 'Points: bounces, without what air and contact did to their intervals, with the error that timing alone gives them.' : 'Colour: number of bounces in each cell, on a logarithmic scale.') +
-      (answerCurve(fit).length ? ' Line and band: ε(v), the most frequent ε at each speed, with its 95 % range. A bounce that puts energy into spin or sideways motion lies below the line, so most points may.' : '');
+      (answerCurve(fit).length ? ' Line and band: ε(v), the root mean square of the bounces at each speed, with its 95 % range.' : '') +
+      (summary && summary.truth_curve ? ' Dashes: the law that went in, at the point of contact; the most frequent ε follows it.' : '');
 }
 
 function questions() {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Pictures of the law eps(v): density and curve, residuals, corners.
+// Pictures of eps(v): density and curve; of the law: residuals, corners.
 
 
 function band(curve, color, name) {
@@ -52,7 +52,7 @@ function drawResiduals(parent, residuals) {
                                                marker: {size: 7, color: blue}, text: used.map(r => r.n)}, extra);
   draw(parent, 'low', [trace('pull', {error_y: {type: 'constant', value: 1, thickness: 1, width: 0, color: grey},
                                       hovertemplate: 'v = %{x:.3f} m/s<br>pull %{y:.2f}<br>%{text} samples<extra></extra>'})],
-       {showlegend: false, xaxis: axis('normal impact speed v (m/s)'), yaxis: axis('pull of ε(v)', {zeroline: true, zerolinecolor: red, zerolinewidth: 1.4})});
+       {showlegend: false, xaxis: axis('normal impact speed v (m/s)'), yaxis: axis('pull of the law', {zeroline: true, zerolinecolor: red, zerolinewidth: 1.4})});
   // mean distances of n exponentially distributed samples are known to 1/sqrt(n)
   draw(parent, 'low', [trace('scatter_ratio', {error_y: {type: 'data', array: used.map(r => r.scatter_ratio / Math.sqrt(r.n)), thickness: 1, width: 0, color: grey},
                                                hovertemplate: 'v = %{x:.3f} m/s<br>%{y:.3f} of the scatter expected<br>%{text} samples<extra></extra>'})],
@@ -100,15 +100,11 @@ function drawCorner(parent, estimates, correlation) {
   draw(parent, 'corner', traces, plotLayout);
 }
 
-function cornersOfLaw() {
-  if (!quoted || !quoted.nodes || !quoted.parameters) return;
-  const truths = Object.fromEntries(((summary && summary.constants) || []).map(c => [c.name, c.truth]));
-  const nodeTruth = v => (((summary && summary.eps_nodes) || []).find(n => Math.abs(n.v_mps - v) < 1e-9) || {}).truth;
-  const constants = quoted.parameters.filter(name => quoted[name].identified !== false).map(name => ({name, ...quoted[name], truth: truths[name]}));
-  const nodes = quoted.nodes.map(n => ({name: `ε(${number(n.v_mps, 3)})`, value: n.eps, se: n.se, ci95: n.ci95, truth: nodeTruth(n.v_mps)}));
-  const drawable = list => list.length > 1 && list.every(e => known(e.value) && known(e.se) && e.se > 0);
-  const how = 'Diagonal: each alone, with its 95% interval as a bar. Below: ellipses that hold 68% and 95%.' + (summary && summary.eps_nodes ? ' Red: what went in.' : '');
-  if (drawable(nodes)) drawCorner(figure('nodes', 'How well ε is known at three speeds, and how their errors go together', how), nodes, quoted.node_correlation);
-  if (constants.length === quoted.parameters.length && drawable(constants))
-    drawCorner(figure('constants', `How well ${constants.map(c => c.name).join(', ')} are known`, how + ' Thin ellipses: only a combination of the constants is known.'), constants, quoted.correlation);
+function cornerOfConstants() {
+  const truths = Object.fromEntries(((summary && summary.constants) || []).map(c => [c.name, c.truth])), names = constants.parameters || [];
+  const shown = names.filter(isDetermined).map(name => ({name, ...constants[name], truth: truths[name]}));
+  if (shown.length < 2 || shown.length < names.length || !shown.every(e => known(e.value) && known(e.se) && e.se > 0)) return;
+  drawCorner(figure('constants', `How well ${shown.map(c => c.name).join(', ')} are known`,
+                    'Diagonal: each alone, with its 95% interval as a bar. Below: ellipses that hold 68% and 95%.' + (summary && summary.eps_nodes ? ' Red: what went in.' : '') +
+                        ' Thin ellipses: only a combination of the constants is known.'), shown, constants.correlation);
 }

@@ -39,7 +39,7 @@ function figures() {
   if (data.paper && data.simulation) paperSection(data.paper, data.simulation);
   if (!fit) return;
   if (law && (law.residuals || []).length > 1)
-    drawResiduals(figure('residuals', 'Does the law hold at every speed?', 'Above: mean residual (ε less ε(v)) in bins of speed over its standard error, the pull; pulls scatter about 0 by about 1 where the law holds. Below: mean distance from ε(v) over the one that the fit expects, with its standard error.' + (withMemory ? ' Of the fit that takes impacts as independent.' : '')), law.residuals);
+    drawResiduals(figure('residuals', 'Does the law hold at every speed?', 'Of the law with its few constants, not of the curve. Above: mean residual (ε less the law) in bins of speed over its standard error, the pull; pulls scatter about 0 by about 1 where the law holds. Below: mean distance from the law over the one that the fit expects, with its standard error.' + (withMemory ? ' Of the fit that takes impacts as independent.' : '')), law.residuals);
   const histograms = (fit && fit.histograms) || [], theory = summary && summary.theory;
   const shown = histograms.filter(h => h.bins && h.curve && (h.curve.eps || []).length);
   if (shown.length) {
@@ -66,14 +66,15 @@ function figures() {
     const randomShare = Math.max(...budget.rows.filter(r => r.n > 1).map(r => Math.sqrt(5 / r.n)));
     drawBudget(figure('budget', 'What limits the result', `Above: where the variance of ε comes from; ${number(100 * randomShare, 1)}% not explained may be random error. Below: what shifts the curve, beside its standard error; a cause that lies above it biases the result.`), budget);
   }
-  cornersOfLaw();
+  cornerOfConstants();
   if (wave && (wave.excerpts || []).length) excerptsSection();
   if (data.diagnostics) diagnosticsSection(data.diagnostics);
 }
 
 function tables() {
   truthTable();
-  lawTable();
+  curveTable();
+  constantsTable();
   recordingsTable();
   otherFits();
   histogramTables();

@@ -6,9 +6,9 @@ const data = JSON.parse(document.getElementById('data').textContent);
 const page = document.getElementById('report');
 const {summary, fit, wave, samples} = data;
 const law = fit && fit.law;
-/// The fit whose constants and curve are quoted: with memory where that holds; then `law`, which takes impacts as
+/// Constants of the law as they are stated: by the fit with memory where that holds; then `law`, which takes impacts as
 /// independent, is a comparison.
-const quoted = fit && fit.memory && fit.memory.holds ? fit.memory : law, withMemory = quoted !== law;
+const constants = (fit && fit.constants) || {}, withMemory = constants.with_memory === true;
 const few = Boolean(samples);  // few enough to be shown one by one: more are not in the data
 
 function element(tag, attributes, ...children) {
@@ -51,8 +51,8 @@ function interval(range) {
   const decimals = Math.min(12, Math.max(0, 2 - Math.floor(Math.log10(Math.max(range[1] - range[0], 1e-12)))));
   return `${range[0].toFixed(decimals)} … ${range[1].toFixed(decimals)}`;
 }
-/// ε(v) that the answer is of: with memory where that holds, else the average over laws where there is one, else the law.
-const answerCurve = fit => !fit || fit.is_one_ball === false ? [] : fit.memory?.holds ? fit.memory.curve : fit.averaged?.curve?.length ? fit.averaged.curve : fit.law?.curve ?? [];
+/// Points of ε(v), the root mean square over bounces; none where recordings or drops differ.
+const answerCurve = fit => !fit || fit.is_one_ball === false ? [] : fit.curve?.points ?? [];
 const speed = v => `${number(v, 3)} m/s`;
 
 /// Below 600 px report.css shows a table that is wider than its place row by row: each cell names its column and is as

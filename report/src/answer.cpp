@@ -76,11 +76,11 @@ Description members_of(const DropsSeen*) {
 Description members_of(const SpeedAndRestitution*) {
   using S = SpeedAndRestitution;
   static constexpr Member all[]{
-      member<&S::v_mps>("v_mps", "Speed"), member<&S::eps, &fit::Estimate::value>("eps", "ε there"),
+      member<&S::v_mps>("v_mps", "Speed"),
+      member<&S::eps, &fit::Estimate::value>("eps", "ε there, root mean square over bounces: √⟨ε²⟩"),
       member<&S::eps, &fit::Estimate::se>("se", "Its standard error"),
       member<&S::eps, &fit::Estimate::ci95>("ci95", "Its 95 % interval"),
-      member<&S::energy_lost>("energy_lost",
-                              "1 - ⟨ε²⟩, share of the energy of the vertical motion; `eps` is the peak of p(ε)")};
+      member<&S::energy_lost>("energy_lost", "1 - ε², share of the energy of the vertical motion")};
   return all;
 }
 
@@ -100,12 +100,12 @@ Description members_of(const PlainAnswer*) {
       member<&A::doubt>("doubt", "What makes it uncertain, a sentence or empty"),
       member<&A::at>(
           "at",
-          "`null` (nothing could be fitted, or recordings do not agree), or ε at the node in the middle, see "
-          "below"),
-      member<&A::elsewhere>(
-          "elsewhere",
-          "The same at the greatest and the least node, each where the 95 % interval of the difference from `at` "
-          "leaves 0 out"),
+          "`null` (nothing could be fitted, or recordings do not agree), or ε at the node in the middle, where ε "
+          "steps there at another, see below"),
+      member<&A::elsewhere>("elsewhere",
+                            "The same at the greatest and the least speed, each where the 95 % interval of the "
+                            "difference from the middle "
+                            "node leaves 0 out; none where ε steps"),
       member<&A::one_value>("one_value", "One speed alone"),
       member<&A::seen>("seen", "Of the samples' drops, see below"),
       member<&A::recordings>(
@@ -121,7 +121,7 @@ Description members_of(const Cause*) {
       member<&C::name>("name", "`speed`, `air` or `roughness`"),
       member<&C::size>(
           "size",
-          "How much it changes ε in these data: from the least to the greatest node; by the air, likewise, in the "
+          "How much it changes ε in these data: from the least to the greatest speed; by the air, likewise, in the "
           "intervals; the width of the band that holds two thirds of the bounces. `null`: not known"),
       member<&C::is_seen>("is_seen", "The data show it, or the named ball tells it"),
       member<&C::sentence>("sentence", "In words")};

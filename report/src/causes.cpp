@@ -21,7 +21,8 @@ std::string size_text(double x) {
 
 /// The change of eps between the least and the greatest speed; seen where the answer states one.
 Cause of_speed(const FitResult& result, const PlainAnswer& answer) {
-  Cause cause{"speed", {}, !answer.elsewhere.empty(), {}};
+  const auto& step = result.curve->step;
+  Cause cause{"speed", {}, !answer.elsewhere.empty() || step, {}};
   const auto& points = result.curve->points;
   if (points.empty()) {
     cause.sentence = "Whether the speed matters is not known: too few speeds.";
@@ -32,6 +33,10 @@ Cause of_speed(const FitResult& result, const PlainAnswer& answer) {
   const std::string between = " between " + speed(slow.x) + " and " + speed(fast.x);
   if (!cause.is_seen)
     cause.sentence = "That the speed matters is not seen" + between + ".";
+  else if (step)
+    cause.sentence = "what it meets: ε steps by " + size_text(std::abs(step->change.value)) + " at " +
+                     speed(step->v_mps) + ", and goes from " + size_text(slow.y) + " to " + size_text(fast.y) +
+                     between + ".";
   else if (fast.y < slow.y)
     cause.sentence = "the speed: a faster ball is pressed in more and loses more, ε falls by " +
                      size_text(*cause.size) + between + ".";
@@ -85,9 +90,11 @@ Cause of_roughness(const FitResult& result) {
     cause.sentence = "Whether ball and floor are rough is not known: too few bounces.";
     return cause;
   }
-  cause.size = 2.0 * *row->spread_asperities;
+  // what a law misses, or drops differ by, is no scatter of bounces
+  const double spread = std::min(*row->spread_asperities, result.curve->scatter);
+  cause.size = 2.0 * spread;
   const double timing = std::max(row->spread_timing_stated.value_or(0.0), row->spread_timing_lag1.value_or(0.0));
-  cause.is_seen = *row->spread_asperities > timing;
+  cause.is_seen = spread > timing;
   cause.sentence = cause.is_seen
                        ? "the roughness of ball and floor: each bounce meets another spot, which turns some of "
                          "the motion into spin or back; two thirds of the bounces lie in a band of " +

@@ -59,8 +59,7 @@ std::string dependence(const FitResult& r) {
   for (const NamedEstimate& p : r.constants.parameters)
     if (!p.estimate.identified) unknown.push_back(p.name);
   const std::string known = describe_constants(r.constants.parameters);
-  std::string text =
-      "ε = " + describe_nodes(r.curve->nodes) + " (± one standard error)." + other_centres(*r.curve);
+  std::string text = "ε = " + describe_nodes(r.curve->nodes) + " (± one standard error)." + other_centres(*r.curve);
   if (!known.empty())
     text += " Constants of the law: " + known + (r.constants.with_memory ? " (by the fit with memory)." : ".");
   if (r.constants.status == FitStatus::not_applicable && !r.constants.message.empty())
@@ -89,7 +88,7 @@ std::string scatter_as_assumed(const FitResult& r) {
                       test->p_value)
                 : "";
   }
-  if (!law.p_value) return "";
+  if (!law.p_value || r.constants.status == FitStatus::not_applicable) return "";
   if (*law.p_value < 0.001)
     return formatted(" The scatter is not as the fit assumes (p = %.1e, the chance of a worse one); ", *law.p_value) +
            (law.drops.errors == ErrorBasis::by_drop ? "errors between drops do not depend on it."
@@ -105,7 +104,7 @@ std::string certainty(const FitResult& r) {
     intervals.push_back(interval_in_words(node.eps) + formatted(" at %.3g m/s", node.v_mps));
   const std::string text =
       "95 % intervals (19 of 20 such intervals hold the true value): ε from " + joined(intervals) +
-      (r.curve->n_drops > 1 ? formatted("; how %zu drops differ is in them.", r.curve->n_drops)
+      (r.curve->n_drops > 1 ? formatted("; they include how the %zu drops differ.", r.curve->n_drops)
                             : std::string(", of this drop: how much other drops differ from it is not known.")) +
       scatter_as_assumed(r);
   return r.constants.parameters.size() > 1 && !describe_constants(r.constants.parameters).empty()
@@ -132,13 +131,17 @@ std::string limits(const FitResult& r) {
       row.share_unexplained >= 0.001 && row.n > 0)
     text += formatted(" (Of %zu samples there, %.0f %% may be random error.)", row.n,
                       std::min(100.0, 100.0 * random_share));
-  if (row.se_curve)
-    text += formatted(
-        " With %.0f samples that by itself leaves a standard error of %.1e of the curve there; four times the samples "
-        "halve it.",
-        static_cast<double>(r.n_used), *row.se_curve);
   // the shares of two that depend on each other may both be 100 %
   const double contact = r.curve->share_of_contact, drag = r.curve->share_of_drag;
+  const NodeEstimate& middle = r.curve->nodes[r.curve->nodes.size() / 2];
+  if (middle.eps.se) {
+    const bool drops_differ = r.curve->scatter_of_drops.value_or(0.0) > 0.5 * r.curve->scatter;
+    text += formatted(" Of %zu bounces", r.n_used) +
+            (r.curve->n_drops > 1 ? formatted(" in %zu drops", r.curve->n_drops) : "") +
+            formatted(" that leaves a standard error of %.1e at %.2g m/s; four times as many ",
+                      *middle.eps.se * std::sqrt(std::max(0.0, 1.0 - std::max(contact, drag))), middle.v_mps) +
+            (drops_differ ? "drops, which differ, halve it." : "bounces halve it.");
+  }
   if (std::max(contact, drag) >= 0.01)
     text += formatted(" Of the variance of the answer %.0f %% is ", 100.0 * std::max(contact, drag)) +
             (drag > contact ? "how strongly the air slows the ball." : "how long the ball touches the floor.");

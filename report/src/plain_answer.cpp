@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <map>
 
+#include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/text.hpp"
 #include "words.hpp"
@@ -18,9 +19,8 @@ SpeedAndRestitution at(double v_mps, const Estimate& eps) { return {v_mps, eps, 
 SpeedAndRestitution at_node(const NodeEstimate& node, const std::optional<ScatterModel>& scatter) {
   Estimate eps = node.eps;
   if (scatter) {
-    const double shift = hypot(eps.value + scatter->mean_minus_peak(node.v_mps),
-                               std::sqrt(scatter->variance(node.v_mps))) -
-                         eps.value;
+    const double shift =
+        hypot(eps.value + scatter->mean_minus_peak(node.v_mps), std::sqrt(scatter->variance(node.v_mps))) - eps.value;
     eps.value += shift;
     for (std::optional<Interval>* interval : {&eps.ci68, &eps.ci95})
       if (*interval) (*interval)->lo += shift, (*interval)->hi += shift;
@@ -102,15 +102,17 @@ bool is_seen(const Estimate& change) {
 }
 
 /// What most of the uncertainty is, and what would shrink it; empty where it is the ball's own scatter.
-std::string largest_part(const Curve& curve, bool ball_is_named) {
+std::string largest_part(const Curve& curve, const std::optional<Ball>& ball, const std::optional<Material>& plate) {
   constexpr double kMost = 0.5;
   const double drag = curve.share_of_drag, contact = curve.share_of_contact;
   if (std::max(drag, contact) < kMost) return "";
   return std::string("Most of the uncertainty is ") +
          (drag > contact ? "how strongly the air slows the ball" : "how long the ball touches the floor") +
-         (!ball_is_named   ? ": name the ball to narrow it (--ball)."
+         (!ball            ? ": name the ball to narrow it (--ball)."
           : drag > contact ? ": bounces from less high narrow it."
-                           : ": bounces from higher narrow it.");
+          : !plate && contact_duration(*ball, kGlass).has_value() && !contact_duration(*ball, plate)
+              ? ": name the floor to narrow it (--plate)."
+              : ": bounces from higher narrow it.");
 }
 
 /// Does the curve say otherwise than the name of the ball? Beyond three standard deviations, one answer in 300.
@@ -177,13 +179,16 @@ const NodeEstimate& stated_node(const Curve& curve) {
   return *best;
 }
 
-/// "ε steps from 0.92 to 0.85 at 0.68 m/s, after bounce 17: did the ball reach another surface?"
+/// "ε steps from 0.92 to 0.85 (by 0.06 to 0.08) where the ball gets slower than 0.68 m/s, after bounce 17: did it reach
+/// another surface?"
 std::string of_step(const RestitutionStep& step, int decimals) {
+  Estimate size = step.change;
+  if (size.value < 0.0) size.ci95 = Interval{-size.ci95->hi, -size.ci95->lo};
   std::string text = "ε steps from " + rounded(step.eps_faster, decimals) + " to " +
-                     rounded(step.eps_slower, decimals) + " at " + speed(step.v_mps) + " (by " +
-                     interval_in_words(step.change) + ")";
+                     rounded(step.eps_slower, decimals) + " (by " + interval_in_words(size) +
+                     ") where the ball gets slower than " + speed(step.v_mps);
   if (step.impact) text += ", after bounce " + std::to_string(*step.impact + 1);
-  return text + ": did the ball reach another surface?";
+  return text + ": did it reach another surface?";
 }
 
 std::string of_value(const PlainAnswer& answer, const Curve& curve) {
@@ -304,7 +309,8 @@ PlainAnswer plain_answer(const FitResult& result, const RestitutionSamples& samp
           answer.elsewhere.push_back(at(end.x, eps));
       }
     answer.sentences.push_back(of_value(answer, curve));
-    answer.doubt = largest_part(curve, !samples.empty() && samples.front().conditions.ball);
+    if (!samples.empty())
+      answer.doubt = largest_part(curve, samples.front().conditions.ball, samples.front().conditions.plate);
     if (curve.step) answer.sentences.push_back(of_step(*curve.step, decimals_for(answer.at->eps)));
     if (answer.at->eps.value > 0.0 && answer.at->eps.value < 1.0)
       answer.sentences.push_back(percent_lost(*answer.at) +

@@ -46,8 +46,8 @@ void warn_of_few_drops(const DropCount& drops, std::vector<std::string>& warning
                               ? "nearly all that is known comes from one drop"
                               : formatted("%zu drop%s, fewer than %zu", drops.n, drops.n == 1 ? "" : "s", kFewestDrops);
   warnings.push_back(why +
-                     ": standard errors take impacts as independent; those of the slopes may be up to 1.7 times too "
-                     "small at low speeds, those of ε(v) hardly");
+                     ": standard errors take impacts as independent, of the constants and of the slopes of p(ε); those "
+                     "of the slopes may be up to 1.7 times too small at low speeds");
 }
 
 /// Drops that differ by more than single bounces do, and visibly: something is another from drop to drop.
@@ -57,19 +57,20 @@ void warn_of_drops_that_differ(const FitResult& result, std::vector<std::string>
   const Curve& curve = *result.curve;
   const double differ = *curve.scatter_of_drops, eps = curve.nodes[curve.nodes.size() / 2].eps.value;
   if (differ < curve.scatter || differ < kOfLost * (1.0 - eps)) return;
-  warnings.push_back(
-      formatted("the %zu drops differ by more (%.2g in ε) than bounces of one do (%.2g), which makes the interval wide: "
-                "another ball, spot or release? More drops narrow it",
-                curve.n_drops, differ, curve.scatter));
+  warnings.push_back(formatted(
+      "the %zu drops differ by more (%.2g in ε) than bounces of one do (%.2g), which makes the interval wide: "
+      "another ball, spot or release? More drops narrow it",
+      curve.n_drops, differ, curve.scatter));
 }
 
 void warn_of_law(const FitResult& result, std::vector<std::string>& warnings) {
   const LawFit& law = result.law;
+  if (result.constants.status == FitStatus::not_applicable) return;  // they are none about it
   // with memory the impacts need not scatter as if they were independent
   if (law.p_value && *law.p_value < 0.001 && !memory_holds(result)) {
     double ratio = 0.0;
     for (const ResidualBin& bin : law.residuals) ratio += bin.scatter_ratio / static_cast<double>(law.residuals.size());
-    warnings.push_back(formatted("the scatter about ε(v) is not as the fit assumes: χ²/ndf = %.2f, p = %.1e; ",
+    warnings.push_back(formatted("the scatter about the law is not as its fit assumes: χ²/ndf = %.2f, p = %.1e; ",
                                  *law.chi2 / static_cast<double>(*law.ndf), *law.p_value) +
                        (ratio < 0.8 ? formatted("it is %.2f of what the stated timing errors alone explain: these are "
                                                 "stated too large, and so are all errors given here",

@@ -85,6 +85,12 @@ TEST_F(BadInput, WhatIsNoTableIsRefusedInAShortLine) {
   expect_refused("fit b.csv --out f.json", 3, {"b.csv", "is empty"});
 }
 
+TEST_F(BadInput, AFitOfAnEarlierVersionIsRefusedByTheReport) {
+  fs::create_directory(folder_ / "r");
+  write("r/fit.json", R"({"averaged":{"nodes":[]},"law":{}})");
+  expect_refused("report r", 3, {"r/fit.json", "bouncelab 0.2", "bouncelab fit samples.csv"});
+}
+
 TEST_F(BadInput, AResultThatIsNoneOfAFitIsRefusedByTheReport) {
   fs::create_directory(folder_ / "r");
   for (const char* text : {"[]", "{}", "null", "3"}) {

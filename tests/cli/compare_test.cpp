@@ -144,6 +144,10 @@ TEST_F(CompareCommand, BadInputGetsOneLine) {
   write_samples();
   expect_one_line_error(run("compare none.csv --out o"), 3, {"none.csv", "no such file"});
   expect_one_line_error(run("compare s.csv"), 2, {"--out"});
+  for (const char* fit : {R"({"averaged":{},"law":{}})", R"({"curve":{},"law":{}})"}) {  // of 0.2 and of today
+    write("fit.json", fit);
+    expect_one_line_error(run("compare fit.json s.csv --out o"), 3, {"fit.json", "is a result", "give the samples"});
+  }
   write("few.csv", "recording,v_mps,eps\na,0.5,0.97\nb,0.5,0.98\n");
   expect_one_line_error(run("compare few.csv --out few --quiet"), 1, {"a has 1 usable samples", "at least 3"});
   write("mixed.csv", "recording,v_mps,eps\na,0.5,0.97\nb,0.5,0.98\na,0.5,0.97\n");

@@ -147,5 +147,10 @@ TEST_F(DemCommand, SaysWhatAFitDoesNotHave) {
   expect_one_line_error(run("dem missing.json"), 3, {"missing.json"});
 }
 
+TEST_F(DemCommand, AFitOfAnEarlierVersionIsNotUsed) {
+  std::ofstream(folder_ / "old.json") << R"({"averaged":{"nodes":[]},"law":{},"hand_off":{"snippets":[]}})";
+  expect_one_line_error(run("dem old.json"), 3, {"old.json", "bouncelab 0.2", "bouncelab fit samples.csv"});
+}
+
 }  // namespace
 }  // namespace bouncelab::cli_test

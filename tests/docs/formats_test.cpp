@@ -43,6 +43,8 @@ const std::map<std::string, Description>& all_described() {
                   named<detection::ListeningCopy>("ListeningCopy"), named<detection::LearnedWave>("LearnedWave"),
                   named<detection::OnsetScore>("OnsetScore"), named<fit::RestitutionCounts>("RestitutionCounts"),
                   named<fit::Estimate>("Estimate"), named<fit::NodeEstimate>("NodeEstimate"),
+                  named<fit::Curve>("Curve"), named<fit::RestitutionStep>("RestitutionStep"),
+                  named<fit::Constants>("Constants"), named<fit::LawMisfit>("LawMisfit"),
                   named<fit::ScatterModel>("ScatterModel"), named<fit::ResidualBin>("ResidualBin"),
                   named<fit::LawFit>("LawFit"), named<fit::MemoryFit>("MemoryFit"), named<fit::ShapeFit>("ShapeFit"),
                   named<fit::HistogramFit>("HistogramFit"), named<fit::TimingNoise>("TimingNoise"),

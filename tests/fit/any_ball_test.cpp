@@ -13,30 +13,14 @@
 #include "bouncelab/core/random.hpp"
 #include "bouncelab/fit/fit.hpp"
 #include "bouncelab/fit/restitution.hpp"
-#include "integrated_flight.hpp"
+#include "drawn_balls.hpp"
 #include "support/statistics.hpp"
 #include "synthetic_samples.hpp"
 
 namespace bouncelab::fit {
 namespace {
 
-constexpr double kG = 9.81, kAir_kgpm3 = 1.2, kViscosity_pas = 1.82e-5;
-
-/// The standard drag curve of a sphere, read off at decades and their thirds (Clift, Grace & Weber, Bubbles, Drops and
-/// Particles (1978), figure 5.12 and table 5.2), straight in the logarithms.
-double drag_coefficient(double reynolds) {
-  static const std::vector<std::pair<double, double>> curve{{1.0, 27.2},   {3.0, 10.5},    {10.0, 4.26}, {30.0, 2.12},
-                                                            {100.0, 1.09}, {300.0, 0.665}, {1e3, 0.471}, {3e3, 0.396},
-                                                            {1e4, 0.405},  {3e4, 0.46},    {1e5, 0.50},  {3e5, 0.40}};
-  const double x = std::log(std::clamp(reynolds, 1.0, 3e5));
-  for (std::size_t k = 1; k < curve.size(); ++k) {
-    const double a = std::log(curve[k - 1].first), b = std::log(curve[k].first);
-    if (x > b) continue;
-    const double share = (x - a) / (b - a);
-    return std::exp((1.0 - share) * std::log(curve[k - 1].second) + share * std::log(curve[k].second));
-  }
-  return curve.back().second;
-}
+constexpr double kG = 9.81;
 
 struct Kind {
   std::string name;  ///< to the program
@@ -65,11 +49,7 @@ struct World {
 };
 
 double truth(const World& w, double v) {
-  if (w.yield_mps > 0.0) {  // Thornton, J. Appl. Mech. 64, 383 (1997), doi:10.1115/1.2787319
-    const double y = std::min(1.0, w.yield_mps / v);
-    return std::sqrt(1.2 * std::sqrt(3.0) * (1.0 - y * y / 6.0)) *
-           std::pow(y / (y + 2.0 * std::sqrt(1.2 - 0.2 * y * y)), 0.25);
-  }
+  if (w.yield_mps > 0.0) return bouncelab::testing::eps_by_thornton(v, w.yield_mps);
   return w.eps_1 + w.slope * std::log(v) + (v < w.step_mps ? w.step : 0.0);
 }
 
@@ -77,13 +57,7 @@ double truth(const World& w, double v) {
 double stated_truth(const World& w, double v) { return std::hypot(truth(w, v), w.scatter); }
 
 bouncelab::testing::IntegratedFlight flight(const World& w, double u) {
-  const double area = 3.141592653589793 * w.kind.radius_m * w.kind.radius_m;
-  return bouncelab::testing::integrated_flight(u, kG, 1000, [&](double speed) {
-    const double reynolds = 2.0 * w.kind.radius_m * speed * kAir_kgpm3 / kViscosity_pas;
-    return reynolds > 0.0
-               ? 0.5 * kAir_kgpm3 * w.drag_factor * drag_coefficient(reynolds) * area * speed * speed / w.kind.mass_kg
-               : 0.0;
-  });
+  return bouncelab::testing::flight_in_air(w.kind.radius_m, w.kind.mass_kg, w.drag_factor, u, 1000);
 }
 
 World drawn(const Kind& kind, Random& random) {

@@ -32,18 +32,16 @@ class FitResults(Case):
         cls.fit = fitted()
 
     def test_the_curve_at_its_points_is_that_of_fit_json(self):
-        curve = self.fit.law["curve"]
-        v = [p["v_mps"] for p in curve]
-        found = self.fit.eps(v)
-        # the law of the constants, written with 17 digits and summed again: some units in the last place
-        np.testing.assert_allclose(found.value, [p["eps"] for p in curve], rtol=1e-14)
-        known = [k for k, p in enumerate(curve) if p["lo95"] is not None]
-        self.assertGreater(len(known), 5)
-        np.testing.assert_allclose(found.lo95[known], [curve[k]["lo95"] for k in known], rtol=1e-14)
-        np.testing.assert_allclose(found.hi95[known], [curve[k]["hi95"] for k in known], rtol=1e-14)
+        points = self.fit.results["curve"]["points"]
+        found = self.fit.eps([p["v_mps"] for p in points])
+        self.assertGreater(len(points), 5)
+        for name, values in (("eps", found.value), ("lo95", found.lo95), ("hi95", found.hi95)):
+            # ln v of the points is computed twice: some units in the last place
+            np.testing.assert_allclose(values, [p[name] for p in points], rtol=1e-14)
         for speed, node in self.fit.nodes.items():
             value = self.fit.eps(speed)
-            self.assertAlmostEqual(value.value, node.value, delta=1e-12)
+            # between two of 41 points the curve is straight: a smooth one is off by much less than its error
+            self.assertAlmostEqual(value.value, node.value, delta=0.1 * node.se)
             self.assertLess(value.lo95, node.value)
             self.assertGreater(value.hi95, node.value)
 
@@ -52,7 +50,7 @@ class FitResults(Case):
         self.assertEqual(self.fit.eps(np.full((2, 3), 0.8)).se.shape, (2, 3))
         self.assertEqual(self.fit.eps([]).value.shape, (0,))
         outside = self.fit.eps([1e-3, 100.0])
-        self.assertTrue(np.isfinite(outside.value).all() and np.isnan(outside.lo95).all())
+        self.assertTrue(np.isnan(outside.value).all() and np.isnan(outside.lo95).all())
         for bad in (0, -1, np.nan, np.inf, [1.0, 0.0]):
             with self.assertRaisesRegex(ValueError, "finite and > 0"):
                 self.fit.eps(bad)
@@ -64,19 +62,21 @@ class FitResults(Case):
         n = 40000
         for v in (0.8, 1.2):
             drawn = np.sort(self.fit.sample(v, n, np.random.default_rng(20)))
-            below, above, normal, peak_to_mean = self.scatter(v)
-            centre = self.fit.eps(v).value + peak_to_mean - (above - below)  # of the two exponentials' joint
+            below, above, normal, _ = self.scatter(v)
+            spread = np.sqrt(below**2 + above**2 + normal**2)
+            rms = self.fit.eps(v).value
+            mean = np.sqrt(rms**2 - spread**2)
+            centre = mean - (above - below)  # of the two exponentials' joint
             cdf = normal_laplace(drawn - centre, below, above, normal)
             ks = max(np.max(cdf - np.arange(n) / n), np.max(np.arange(1, n + 1) / n - cdf))
             self.assertLess(ks, 1.95 / np.sqrt(n))  # exceeded with probability 1e-3 (Kolmogorov's limit), seed fixed
-            spread = np.sqrt(below**2 + above**2 + normal**2)
-            self.assertLess(abs(drawn.mean() - (self.fit.eps(v).value + peak_to_mean)), 4 * spread / np.sqrt(n))
+            self.assertLess(abs(drawn.mean() - mean), 4 * spread / np.sqrt(n))
+            self.assertLess(abs(np.sqrt(np.mean(drawn**2)) - rms), 4 * spread / np.sqrt(n))
             self.assertLess(abs(drawn.std() / spread - 1), 4 * np.sqrt(5 / (4 * n)))  # kurtosis at most 6
-            # the law is the peak of what is drawn: of the density by its formula, on a grid of 1/200 of the spread
-            grid = centre + np.arange(-600, 601) * spread / 200
-            density = np.diff(normal_laplace(grid - centre, below, above, normal))
-            peak = (grid[1:] + grid[:-1])[density.argmax()] / 2
-            self.assertLess(abs(peak - self.fit.eps(v).value), 0.02 * spread)
+        # beyond the data the draws are those at the end
+        fastest = self.fit.results["curve"]["points"][-1]["v_mps"]
+        draw = lambda v: self.fit.sample(v, 5, np.random.default_rng(3))  # noqa: E731
+        np.testing.assert_allclose(draw(100.0), draw(fastest), rtol=1e-12)
 
     def scatter(self, v):
         model = self.fit.results["law"]["scatter"]
@@ -94,12 +94,29 @@ class FitResults(Case):
 
     def test_the_law_goes_on_as_an_option(self):
         impacts = bl.simulate(drops=1, impacts=5, asperities=1, law=self.fit.law_text, min_speed=0.2)
-        np.testing.assert_allclose(impacts.eps_contact, self.fit.eps(impacts.v_contact).value, rtol=1e-12)
+        np.testing.assert_allclose(impacts.eps_contact, bl.eps_of_law(self.fit.law_text, impacts.v_contact), rtol=1e-12)
 
     def test_estimates(self):
         for name, found in self.fit.parameters.items():
-            self.assertEqual(found.value, self.fit.law[name]["value"])
-            self.assertEqual([found.lo95, found.hi95], self.fit.law[name]["ci95"])
+            self.assertEqual(found.value, self.fit.results["constants"][name]["value"])
+            self.assertEqual([found.lo95, found.hi95], self.fit.results["constants"][name]["ci95"])
+
+    def test_a_fit_of_an_earlier_version_is_refused(self):
+        old = {key: value for key, value in self.fit.results.items() if key != "curve"}
+        with open(self.path("old.json"), "w", encoding="utf-8") as file:
+            json.dump(old, file)
+        with self.assertRaisesRegex(ValueError, "old.json: .*0.2.*bouncelab fit samples.csv"):
+            bl.Fit.from_json(self.path("old.json"))
+
+    def test_constants_of_a_law_that_does_not_hold_are_not_stated(self):
+        results = json.loads(self.fit._text)
+        results["constants"] = {"status": "not_applicable", "message": "off", "with_memory": False, "parameters": [],
+                                "covariance": [], "correlation": []}
+        fit = bl.Fit(json.dumps(results))
+        self.assertEqual(fit.parameters, {})
+        self.assertEqual(fit.eps(0.8), self.fit.eps(0.8))
+        with self.assertRaisesRegex(ValueError, "off"):
+            fit.law_text
 
     def test_a_report_is_written_whole_or_not_at_all(self):
         out = self.path("r.html")

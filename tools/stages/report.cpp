@@ -16,6 +16,7 @@
 #include "bouncelab/core/samples.hpp"
 #include "bouncelab/core/text.hpp"
 #include "bouncelab/report/page.hpp"
+#include "stages/files/fit_file.hpp"
 #include "stages/files/provenance.hpp"
 #include "stages/files/scratch_folder.hpp"
 #include "stages/files/table_file.hpp"
@@ -46,6 +47,7 @@ std::string fit_if_there(const fs::path& path, std::vector<fs::path>& inputs) {
   const nlohmann::json fit = nlohmann::json::parse(content);
   if (!fit.is_object() || !fit.contains("law"))
     throw FileError(path.string(), "is no result of a fit; make it anew (bouncelab fit, analyze or loop)");
+  refuse_older_fit(content, path.string());
   return content;
 }
 

@@ -16,7 +16,7 @@ namespace {
 // in a factor e of speed, that of what yields 0.4 to 2; a step of half of 1 - eps within 0.1 is 3 with an ell of 0.1.
 constexpr double kSigmas[] = {0.001, 0.004, 0.012, 0.036, 0.11, 0.33, 1.0, 3.0};
 constexpr double kEllS[] = {0.12, 0.4, 1.3, 4.5, 15.0, 60.0};
-constexpr double kSigmaMiddle = 0.1, kLnSigmaSd = 1.7, kEllMiddle = 5.0, kLnEllSd = 1.8;
+constexpr double kSigmaMiddle = 0.1, kLnSigmaSd = 1.7, kEllMiddle = 2.0, kLnEllSd = 1.8;
 
 std::vector<Slopes::Place> places_of(std::initializer_list<std::size_t> of_sigma,
                                      std::initializer_list<std::size_t> of_ell) {

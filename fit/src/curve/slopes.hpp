@@ -11,7 +11,7 @@ namespace bouncelab::fit {
 /// Source: Taylor, Cumberland & Sy, J. Am. Stat. Assoc. 89, 727 (1994), doi:10.2307/2290898. (docs/physics.md, 10)
 class Slopes {
  public:
-  static constexpr Eigen::Index kKnots = 20;
+  static constexpr Eigen::Index kKnots = 32;  ///< a step smears over two of them
 
   /// @param lo, hi  of x = ln v, over which the knots are spread. @param anchor  where the curve is eps_0
   Slopes(double lo, double hi, double anchor);

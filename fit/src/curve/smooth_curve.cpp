@@ -301,7 +301,7 @@ SmoothCurve::Sum SmoothCurve::summed() const {
   const double best = terms.front().weight;
   double total = 0.0, kept = 0.0;
   for (Term& term : terms) total += term.weight = exp(term.weight - best);
-  constexpr double kEnough = 0.9995;
+  constexpr double kEnough = 0.997;
   std::size_t n_kept = 0;
   while (n_kept < terms.size() && kept < kEnough * total) kept += terms[n_kept++].weight;
   terms.resize(n_kept);
@@ -477,24 +477,33 @@ void SmoothCurve::describe_deviation(const Sum& sum) {
   }
 }
 
-/// A step is a change within a tenth of ln v, or between two knots, that is another than beside it on either side.
+/// A step is a change within a tenth of ln v, or between two knots, by which eps changes more than beside it on either
+/// side: at a kink it does so on one.
 void SmoothCurve::describe_step(const Sum& sum, const RestitutionSamples& samples) {
   const double distance = (hi_ - lo_) / (kGrid - 1);
   const auto reach = static_cast<std::size_t>(std::ceil(std::max(0.1, slopes_.distance()) / distance));
-  constexpr double kSeen = 4.0, kOfLost = 0.1;
+  constexpr double kSeen = 4.0, kOfLost = 0.2;
+  const auto as_is = [](const Term&, NormalPart&) {};
   double most = kSeen;
   for (std::size_t k = 3 * reach; k + 3 * reach < kGrid; ++k) {
-    const auto column = [&](std::ptrdiff_t steps) {
+    const auto column = [&](int steps) {
       return static_cast<Eigen::Index>(sum.n_nodes + k) + static_cast<Eigen::Index>(reach) * steps;
     };
-    const Quantity beyond{{{column(1), 1.5}, {column(-1), -1.5}, {column(3), -0.5}, {column(-3), 0.5}}, 0.0};
+    const auto beyond_side = [&](int side) {
+      const Quantity more{{{column(1), 1.0}, {column(-1), -1.0}, {column(3 * side), -side}, {column(side), side}}, 0.0};
+      double mean = 0.0, squares = 0.0;
+      for (const NormalPart& part : parts_of(sum.terms, more, as_is))
+        mean += part.weight * part.mean, squares += part.weight * (square(part.mean) + square(part.sd));
+      return std::pair{mean, std::sqrt(squares - square(mean))};
+    };
+    const auto [slower, slower_sd] = beyond_side(-1);
+    const auto [faster, faster_sd] = beyond_side(1);
+    if (slower * faster < 0.0 || std::min(std::abs(slower), std::abs(faster)) < kOfLost * lost_) continue;
+    const double seen = std::min(std::abs(slower) / slower_sd, std::abs(faster) / faster_sd);
+    if (seen < most) continue;
+    most = seen;
     const Quantity change{{{column(1), 1.0}, {column(-1), -1.0}}, 0.0};
-    const auto as_is = [](const Term&, NormalPart&) {};
-    const Estimate e = estimate_of(parts_of(sum.terms, beyond, as_is), -2.0, 2.0);
-    if (!(std::abs(e.value) > most * *e.se) || std::abs(e.value) < kOfLost * lost_) continue;
-    most = std::abs(e.value) / *e.se;
-    const std::size_t at = sum.n_nodes + k - sum.n_nodes;
-    curve_.step = RestitutionStep{curve_.points[at].x, curve_.points[at + reach].y, curve_.points[at - reach].y,
+    curve_.step = RestitutionStep{curve_.points[k].x, curve_.points[k + reach].y, curve_.points[k - reach].y,
                                   estimate_of(parts_of(sum.terms, change, as_is), -1.0, 1.0), std::nullopt};
   }
   if (!curve_.step || all_.samples.n_drops > 1) return;

@@ -84,7 +84,7 @@ Description members_of(const ScatterModel*) {
             return "log b = sum_k c_k log(v/v_ref)^k, b the means of two exponentials; convolved with a normal of "
                    "normal_ratio sqrt(b_below b_above)";
           },
-          "The formula: two exponentials and a normal part; ε(v) is the peak of the sum"),
+          "The formula: two exponentials and a normal part; the law is the peak of the sum"),
       member<&S::v_ref_mps>("v_ref_mps", "v_ref"),
       member<&S::log_below>("log_below", "c_k of b below the peak, the rising side"),
       member<&S::log_above>("log_above", "c_k of b above it, the falling side"),
@@ -97,7 +97,7 @@ Description members_of(const ResidualBin*) {
   static constexpr Member all[]{
       member<&B::v_mps>("v_mps", "Median speed"),
       member<&B::n>("n", "Samples"),
-      member<&B::mean_residual>("mean_residual", "Mean of ε - ε(v)"),
+      member<&B::mean_residual>("mean_residual", "Mean of ε less the law"),
       member<&B::median_residual>("median_residual", "Its median"),
       member<&B::pull>("pull", "Mean score of the location over its standard error"),
       member<&B::scatter_ratio>("scatter_ratio", "Mean absolute residual over what is expected")};
@@ -134,9 +134,10 @@ Description members_of(const LawFit*) {
       member<&F::covariance>("covariance", "Matrix by rows"),
       member<&F::condition_number>("condition_number", "Of the correlation matrix"),
       member<&F::nodes>("nodes",
-                        "By default at the speeds below which 10, 50 and 90 % of the samples lie, to two digits"),
+                        "ε of the law, at the nodes of `curve`: the peak by `asymmetric_laplace`, the mean by "
+                        "`least_squares`, the median by `least_absolute`"),
       member<&F::node_correlation>("node_correlation", "Matrix by rows"),
-      member<&F::scatter>("scatter", "Of the samples about ε(v), see below"),
+      member<&F::scatter>("scatter", "Of the samples about the law, see below"),
       member<&F::loglik>("loglik", "Log-likelihood"),
       member<&F::aic>("aic", "AIC"),
       member<&F::bic>("bic", "BIC"),
@@ -144,8 +145,8 @@ Description members_of(const LawFit*) {
       member<&F::ndf>("ndf", "Its degrees of freedom"),
       member<&F::p_value>("p_value", "Its p"),
       member<&F::anderson_darling>("anderson_darling", "`null`, or `{a2, p_value, n_replicates}`"),
-      member<&F::curve>("curve", "`[{v_mps, eps, lo95, hi95}]`"),
-      member<&F::misfit>("misfit", "`null`, or `{ln_bayes_factor, v_mps, off}` beside the smooth curve"),
+      member<&F::curve>("curve", "`[{v_mps, eps, lo95, hi95}]` of the law, as `nodes`"),
+      member<&F::misfit>("misfit", "`null`, or how it compares with the smooth curve, see below"),
       member<&F::residuals>("residuals", "Bins of speed, see below")};
   return all;
 }
@@ -163,7 +164,7 @@ Description members_of(const DemExport*) {
   static constexpr Member all[]{
       member<&D::v_mps>("v_mps", "Speed of the simulated collisions"),
       member<&D::eps>("eps", "√⟨ε²⟩ there, root mean square"),
-      member<&D::se>("se", "Standard error, that of the peak"),
+      member<&D::se>("se", "Its standard error"),
       member<&D::mean>("mean", "⟨ε⟩ there"),
       member<&D::peak>("peak", "Peak of p(ε) there"),
       member<&D::gamma>("gamma",
@@ -218,7 +219,9 @@ Description members_of(const RecordingFit*) {
 Description members_of(const Curve*) {
   using C = Curve;
   static constexpr Member all[]{
-      member<&C::nodes>("nodes", "ε at each node, root mean square: √⟨ε²⟩"),
+      member<&C::nodes>("nodes",
+                        "ε at each node, root mean square: √⟨ε²⟩; by default at the speeds below which 10, 50 and 90 % "
+                        "of the samples lie, to two digits"),
       member<&C::mean>("mean", "⟨ε⟩ at the nodes"),
       member<&C::peak>("peak", "The most frequent ε at the nodes; empty where its density was not fitted"),
       member<&C::changes>("changes", "Difference of ε at each node from that at the middle one"),
@@ -290,10 +293,10 @@ Description members_of(const FitResult*) {
       member<&F::n_used>("n_used", "Samples fitted"),
       member<&F::n_left_out>("n_left_out", "Reason → number of samples left out"),
       member<&F::curve>("curve", "ε(v), the answer, see below"),
-      member<&F::constants>("constants",
-                            "Constants of the law as they are stated: `{status, message, with_memory, parameters, "
-                            "covariance, correlation}`"),
-      member<&F::law>("law", "The fit of the law that takes impacts as independent, see below; ε(v) in it is the peak"),
+      member<&F::constants>("constants", "Constants of the law as they are stated, see below"),
+      member<&F::law>("law",
+                      "The fit of the law that takes impacts as independent, see below; where `memory` holds, a "
+                      "comparison"),
       member<&F::recordings, &Recordings::test>(
           "recordings_test",
           "`null`, or the test whether recordings agree, see [several recordings](#several-recordings)"),

@@ -13,6 +13,7 @@
 #include "commands/commands.hpp"
 #include "options/commands.hpp"
 #include "stages/ball_of_files.hpp"
+#include "stages/files/fit_file.hpp"
 
 namespace bouncelab::cli {
 namespace {
@@ -112,7 +113,9 @@ std::string why_not(const DemOptions& options, const nlohmann::ordered_json& war
 }  // namespace
 
 Outcome run_dem(const DemOptions& options) {
-  const auto json = nlohmann::ordered_json::parse(whole_content(options.fit), nullptr, false);
+  const std::string content = whole_content(options.fit);
+  stages::refuse_older_fit(content, options.fit);
+  const auto json = nlohmann::ordered_json::parse(content, nullptr, false);
   if (!json.is_object() || !json.contains("hand_off"))
     throw FileError(options.fit, "it is no fit.json of bouncelab fit");
   if (!json.value("is_one_ball", true))

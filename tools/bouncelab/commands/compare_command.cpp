@@ -27,6 +27,7 @@
 #include "bouncelab/report/page.hpp"
 #include "stages/ball_of_files.hpp"
 #include "stages/detect.hpp"
+#include "stages/files/fit_file.hpp"
 #include "stages/files/foreign_files.hpp"
 #include "stages/files/sample_files.hpp"
 #include "stages/files/table_file.hpp"
@@ -219,6 +220,9 @@ Outcome run_compare(const CompareOptions& options, const Run& run) {
     reduction.take(std::move(samples));
     if (progress) progress(static_cast<double>(reduction.recordings.size()), 0.0);
   };
+  for (const std::string& file : options.samples)
+    if (fs::path(file).extension() == ".json" && stages::is_fit(whole_content(file)))
+      throw FileError(file, "is a result, which cannot be compared; give the samples or the sound that it was made of");
   std::vector<fs::path> sounds, tables;
   for (const std::string& file : options.samples) (holds_times(file, false) ? tables : sounds).emplace_back(file);
   const Outcome heard = read_sounds(sounds, options, run, take);

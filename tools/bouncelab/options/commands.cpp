@@ -212,12 +212,12 @@ Command fit_command() {
       member<&O::out>("out", "Results, .json").writes("FILE").required(),
       member<&O::columns>("columns", "Which columns of a table from elsewhere are what (default: by their titles)")
           .looks_like("v=COLUMN,eps=COLUMN"),
-      member<&O::table>("table", "Also the law as a table v_mps, eps, lo95, hi95").writes("FILE"),
+      member<&O::table>("table", "Also eps(v) as a table v_mps, eps, lo95, hi95").writes("FILE"),
       member<&O::histograms>("histograms", "Also p(eps) in windows of speed: bins, counts, density with its error, fit")
           .writes("FILE")};
   auto options = std::make_shared<O>();
   return {"fit",
-          "The law eps(v) and the histograms p(eps) from coefficients of restitution",
+          "eps(v), the constants of its law and the histograms p(eps) from coefficients of restitution",
           "Example: bouncelab fit samples.csv --out fit.json\n"
           "         bouncelab fit ball_a.csv ball_b.csv --out fit.json",
           {{"", files, options.get()},

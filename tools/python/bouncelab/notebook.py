@@ -47,10 +47,10 @@ def recording_html(recording: Any) -> str:
 
 def fit_html(fit: Any) -> str:
     """The answer in words and the curve."""
-    words = html.escape(fit.answer or fit.results["law"]["message"])
+    words = html.escape(fit.answer or fit.results["constants"]["message"])
     first, *others = words.split("\n")
     text = f"<p><b>{first}</b></p>" + "".join(f"<p>{line}</p>" for line in others)
-    if not fit.law["parameters"]:
+    if not fit.results["curve"]:
         return text
     from .plot import restitution
 

@@ -21,7 +21,7 @@ def _axes(ax: Optional[Axes]) -> Axes:
 
 
 def restitution(fit: Any, ax: Optional[Axes] = None) -> Axes:
-    """The law eps(v) with its 95 % band, and the samples.
+    """The curve eps(v) with its 95 % band, and the samples.
 
     Parameters
     ----------
@@ -36,8 +36,8 @@ def restitution(fit: Any, ax: Optional[Axes] = None) -> Axes:
         Where it was drawn.
     """
     ax = _axes(ax)
-    curve = fit.law["curve"]
-    v = np.array([p["v_mps"] for p in curve])
+    curve = fit.results["curve"]
+    v = np.array([p["v_mps"] for p in curve["points"] or curve["nodes"]])
     if fit.samples is not None:
         points = slice(None, None, max(1, -(-len(fit.samples) // _MOST_POINTS)))
         ax.plot(fit.samples.v[points], fit.samples.eps[points], ".", ms=3, color="0.65", label="samples", zorder=1)

@@ -17,6 +17,9 @@ if TYPE_CHECKING:
     Path = Union[str, "os.PathLike[str]"]
 
 
+_ONE_SPEED = 1e-9  # in ln v: rounding
+
+
 class BouncelabWarning(UserWarning):
     """What the command line prints as a warning."""
 
@@ -259,7 +262,7 @@ class Recording:
 
 
 class Fit:
-    """The law eps(v) and the distribution of eps about it: everything of fit.json.
+    """The curve eps(v), the constants of the law and the distribution of eps: everything of fit.json.
 
     Parameters
     ----------
@@ -273,17 +276,25 @@ class Fit:
         self._text = text
         #: fit.json as a dict (docs/formats.md).
         self.results: dict = json.loads(text)
+        if "curve" not in self.results:
+            raise ValueError("this fit.json was written by bouncelab 0.2 or before, whose eps was another; "
+                             "make it anew: bouncelab fit samples.csv --out fit.json")
         self.samples: Optional[Samples] = samples
 
     @classmethod
     def from_json(cls, path: Path) -> Fit:
         """Reads fit.json."""
         with open(path, encoding="utf-8") as file:
-            return cls(file.read())
+            text = file.read()
+        try:
+            return cls(text)
+        except ValueError as error:
+            raise ValueError(f"{os.fspath(path)}: {error}") from None
 
     @property
     def status(self) -> str:
-        """``ok``, ``not_identifiable`` (the curve is known, A2, A4, A5 are not), or why there is none."""
+        """Of the constants: ``ok``, ``not_identifiable`` (the curve is known, A2, A4, A5 are not), ``not_applicable``
+        (the law does not describe the samples, the curve does), or why there are none."""
         return self.results["status"]
 
     @property
@@ -298,33 +309,37 @@ class Fit:
 
     @property
     def law(self) -> dict:
-        """The fit that the answer is taken of: the one with memory where that holds, else that of independent impacts."""
-        memory = self.results.get("memory")
-        return memory if memory and self.results["answer"].get("with_memory") else self.results["law"]
+        """The parametric fit that the constants are of: the one with memory where that holds, else that of independent
+        impacts. Its curve and nodes are the peak of the distribution of eps."""
+        return self.results["memory"] if self.results["constants"]["with_memory"] else self.results["law"]
 
     @property
     def parameters(self) -> Dict[str, Estimate]:
-        """A2, A4, A5 ... (or gamma, or eps) with standard errors and 95 % intervals."""
-        return {name: _estimate(self.law[name]) for name in self.law["parameters"]}
+        """A2, A4, A5 ... (or gamma, or eps) with standard errors and 95 % intervals; empty where the law does not describe
+        the samples."""
+        constants = self.results["constants"]
+        return {name: _estimate(constants[name]) for name in constants["parameters"]}
 
     @property
     def nodes(self) -> Dict[float, Estimate]:
-        """eps(v) by the speeds [m/s] at which it is reported."""
-        return {node["v_mps"]: _estimate(node, "eps") for node in self.law["nodes"]}
+        """eps(v), the root mean square over bounces, by the speeds [m/s] at which it is reported; empty without a curve.
+        The mean and the peak are in ``results["curve"]``."""
+        curve = self.results["curve"]
+        return {node["v_mps"]: _estimate(node, "eps") for node in curve["nodes"]} if curve else {}
 
     @property
     def law_text(self) -> str:
-        """The law as the options ``--law`` and ``law=`` take it."""
+        """The law with its constants as the options ``--law`` and ``law=`` take it: of the peak of the distribution."""
         kind = self.results["law"]["law"]
-        values = {name: self.law[name]["value"] for name in self.law["parameters"]}
+        values = {name: estimate.value for name, estimate in self.parameters.items()}
         if not values:
-            raise ValueError(f"the fit has no law ({self.status}): {self.results['law']['message']}")
+            raise ValueError(f"the fit has no law ({self.status}): {self.results['constants']['message']}")
         if kind == "series":
             return "series:" + ",".join(f"{name}={value!r}" for name, value in values.items())
         return f"{kind}:{next(iter(values.values()))!r}"
 
     def eps(self, v: npt.ArrayLike) -> Estimate:
-        """The law at these speeds.
+        """The root mean square of eps over bounces at these speeds: its square is the energy that a bounce keeps.
 
         Parameters
         ----------
@@ -334,27 +349,31 @@ class Fit:
         Returns
         -------
         Estimate
-            Value, standard error and 95 % interval: numbers, or arrays of the shape of `v`. The band is that of
-            fit.json's curve, interpolated; NaN outside the speeds of the data.
+            Value, standard error and 95 % interval: numbers, or arrays of the shape of `v`. Between the points of
+            fit.json's curve straight in ln v; NaN outside the speeds of the data.
         """
         import numpy as np
 
         speeds = _speeds(v)
-        value = _core.restitution_of_law(self.law_text, speeds)
-        curve = [p for p in self.law["curve"] if p["lo95"] is not None]
-        x, y, lo, hi = (np.array([p[key] for p in curve], dtype=float) for key in ("v_mps", "eps", "lo95", "hi95"))
-
-        def band(edge: Any) -> Any:
-            if len(x) < 2:
-                return np.full(speeds.shape, np.nan)
-            return value + np.interp(speeds, x, edge - y, left=np.nan, right=np.nan)
-
-        lo95, hi95 = band(lo), band(hi)
+        x, points = self._points()
+        beyond = (np.log(speeds) < x[0] - _ONE_SPEED) | (np.log(speeds) > x[-1] + _ONE_SPEED)
+        value, lo95, hi95 = (np.where(beyond, np.nan, np.interp(np.log(speeds), x, y)) for y in points)
         estimate = Estimate(value, (hi95 - lo95) / (2 * 1.959963984540054), lo95, hi95)
         return Estimate(*map(float, estimate)) if speeds.ndim == 0 else estimate
 
+    def _points(self) -> Any:
+        """ln v of the points of the curve; eps, lo95 and hi95 there. Of one speed alone its node."""
+        import numpy as np
+
+        curve = self.results["curve"]
+        if curve is None:
+            raise ValueError(f"the fit has no curve ({self.status}): {self.results['constants']['message']}")
+        points = curve["points"] or [{**node, "lo95": node["ci95"][0], "hi95": node["ci95"][1]} for node in curve["nodes"]]
+        return np.log([p["v_mps"] for p in points]), [np.array([p[key] for p in points]) for key in ("eps", "lo95", "hi95")]
+
     def sample(self, v: npt.ArrayLike, n: Optional[int] = None, rng: Optional[np.random.Generator] = None) -> Array:
-        """Coefficients of restitution as they scatter, for simulations: two exponentials and a normal about the law.
+        """Coefficients of restitution as they scatter, for simulations: two exponentials and a normal, whose root mean
+        square is the curve. Beyond the speeds of the data they are those at its ends.
 
         Parameters
         ----------
@@ -377,14 +396,16 @@ class Fit:
         if scatter is None:
             raise ValueError(f"the fit has no model of the scatter ({self.status})")
         rng = np.random.default_rng() if rng is None else rng
-        speeds = _speeds(v)
-        below, above, normal, mean_minus_peak = _core.scatter(
+        x, (rms, _, _) = self._points()
+        speeds = np.clip(_speeds(v), np.exp(x[0]), np.exp(x[-1]))
+        below, above, normal, _ = _core.scatter(
             scatter["v_ref_mps"], scatter["log_below"], scatter["log_above"], scatter["normal_ratio"], speeds)
         shape = speeds.shape if n is None else (n, *speeds.shape)
+        mean = np.sqrt(np.maximum(0.0, np.interp(np.log(speeds), x, rms) ** 2 - below**2 - above**2 - normal**2))
         # the difference of two exponentials has the density of both sides, joined at its peak
         drawn = above * rng.exponential(size=shape) - below * rng.exponential(size=shape)
         drawn += normal * rng.standard_normal(size=shape)
-        return _core.restitution_of_law(self.law_text, speeds) + mean_minus_peak - (above - below) + drawn
+        return mean - (above - below) + drawn
 
     def report(self, path: Path, title: Optional[str] = None, force: bool = False) -> None:
         """Writes a report, one HTML file that needs no network.
@@ -418,7 +439,7 @@ class Fit:
         return pd.DataFrame.from_dict(rows, orient="index", columns=list(Estimate._fields))
 
     def __repr__(self) -> str:
-        return f"<Fit ({self.status}): {self.results['answer']['sentences'][0] if self.answer else self.results['law']['message']}>"
+        return f"<Fit ({self.status}): {self.results['answer']['sentences'][0] if self.answer else self.results['constants']['message']}>"
 
     def _repr_html_(self) -> str:
         from .notebook import fit_html

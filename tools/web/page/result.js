@@ -37,7 +37,7 @@ export function drawLaw(result, truth) {
   if (curve.length) layers.push({kind: 'curve', x: curve.map(p => p.v_mps), y: curve.map(p => p.eps)});
   if (truth) layers.push({kind: 'truth', x: truth.v, y: truth.eps});
   $('law-caption').textContent = (v.length ? 'Points: bounces, with the error that timing alone gives them. ' : 'No bounce has an interval on either side. ') +
-      (curve.length ? `Line${hasBand ? ' and band' : ''}: ε(v), the most frequent ε at each speed${hasBand ? ', with its 95 % range' : ''}. ` : '') + (truth ? 'Dashes: the ε(v) that was simulated. ' : '') +
+      (curve.length ? `Line${hasBand ? ' and band' : ''}: ε(v), the root mean square of the bounces at each speed${hasBand ? ', with its 95 % range' : ''}. ` : '') + (truth ? 'Dashes: the ε(v) that was simulated. ' : '') +
       (outside ? `${outside} ${outside === 1 ? 'bounce lies' : 'bounces lie'} outside the picture.` : '');
   if (!v.length && !curve.length) return $('law-plot').replaceChildren();
   drawPicture($('law-plot'), {height: 320, label: `Plot: coefficient of restitution against impact speed, ${v.length} bounces`,

@@ -16,7 +16,7 @@ function resultFor(analysis, withSound) {
   const result = {
     summary, channel, status: recording.status, message: recording.message,
     answer: fit?.answer ?? null,
-    fitted: fit && {averaged: fit.averaged, law: {curve: fit.law?.curve}, memory: fit.memory && {holds: fit.memory.holds, curve: fit.memory.curve}},
+    fitted: fit && {is_one_ball: fit.is_one_ball, curve: fit.curve && {points: fit.curve.points}, causes: fit.causes},
     histograms: (fit?.histograms ?? []).filter(h => h.curve?.eps?.length),
     warnings: [...new Set([...(withSound === null ? [] : sound.warnings), ...(summary.warnings ?? []), ...(fit?.warnings ?? [])])],
     samples: lists(analysis.samples),
