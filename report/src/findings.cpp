@@ -48,7 +48,7 @@ std::string other_centres(const Curve& curve) {
       others.push_back(name + fit::in_words(other.value, other.se));
   };
   add("the mean is ", curve.mean);
-  add("the most frequent ε ", curve.peak);
+  add("the most frequent ε is ", curve.peak);
   return others.empty() ? ""
                         : formatted(" At %.3g m/s ", curve.nodes[middle].v_mps) + joined(others, " and ") +
                               ": ε here is the root mean square, which keeps the energy.";

@@ -38,18 +38,20 @@ class FitCommand : public ProgramTest {
   Json found() const { return json("f.json"); }
 };
 
-TEST_F(FitCommand, OfTwoSamplesOrOneSpeedGivesOneValueWithoutACurve) {
+TEST_F(FitCommand, OfTwoSamplesCannotTellAChangeAndOfOneSpeedGivesOneValue) {
   Result result = fit(table(2, 0.2, 1.4));
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_THAT(result.out, testing::StartsWith("ε = 0.9"));
+  EXPECT_THAT(result.out, testing::HasSubstr("whether it changes with the speed cannot be told from "));
   EXPECT_EQ(found()["status"], "too_few_samples");
-  EXPECT_EQ(found()["answer"]["one_value"], true);
   result = fit(table(500, 0.5, 0.5));
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_THAT(result.out, testing::HasSubstr(" at 0.5 m/s"));
+  EXPECT_EQ(found()["answer"]["one_value"], true);
+  EXPECT_EQ(found()["curve"]["points"].size(), 0U);
   const double truth = 1.0 - 1.153448858 * 0.0467 * std::pow(0.5, 0.2) + 0.798266561 * 0.1339 * std::pow(0.5, 0.4) -
                        0.2876 * 4.0 / 15.0 * std::sqrt(0.5);
-  // scatter of 8e-4 sqrt(2), of 500
+  // scatter of 8e-4 sqrt(2), of 500; its square is nothing to the mean's
   EXPECT_NEAR(found()["answer"]["at"]["eps"].number(), truth, 4.0 * 1.13e-3 / std::sqrt(500.0));
 }
 

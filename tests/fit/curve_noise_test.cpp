@@ -73,6 +73,19 @@ TEST(PlateSamples, HaveTheCovarianceOfTheErrorsOfTheirOnsets) {
       }
 }
 
+TEST(PlateSamples, OfATableOfSpeedsHaveErrorsOfTheirOwn) {
+  RestitutionSamples samples = of_two_drops();
+  for (RestitutionSample& s : samples) s.conditions.gravity_mps2.reset();
+  const PlateSamples plate = plate_samples(samples, in_vacuum(), {});
+  for (std::size_t k = 0; k < samples.size(); ++k) {
+    const auto row = static_cast<Eigen::Index>(k);
+    EXPECT_NEAR(plate.timing(row, 0), *samples[k].sigma_eps * *samples[k].sigma_eps, 1e-15);
+    EXPECT_EQ(plate.timing(row, 1), 0.0);
+    EXPECT_EQ(plate.timing(row, 2), 0.0);
+    EXPECT_EQ(plate.eps[row], samples[k].eps);
+  }
+}
+
 TEST(CurveNoise, GramIsTheDenseOneWhateverDropsShare) {
   const RestitutionSamples samples = of_two_drops();
   const PlateSamples plate = plate_samples(samples, in_vacuum(), {});

@@ -97,8 +97,14 @@ PlateSamples plate_samples(const RestitutionSamples& samples, const AirAndContac
       }
       const OfOnsets of = of_onsets(s, known.gravity_mps2);
       // a ratio of two noisy intervals is too large on average, to second order
-      all.eps[row] = plate.eps - (from_height ? 0.0 : of.sigma_t2 * square(of.by_time[2]) * (1.0 + 2.0 * plate.eps));
+      const bool of_times = s.conditions.gravity_mps2.has_value();
+      const double excess = of.sigma_t2 * square(of.by_time[2]) * (1.0 + 2.0 * plate.eps);
+      all.eps[row] = plate.eps - (from_height || !of_times ? 0.0 : excess);
       by_time.push_back(of.by_time);
+      if (!of_times) {  // measured as it is, and rounded: with an error of its own
+        by_time.back() = {};
+        all.timing(row, 0) = square(plate.stretch * s.sigma_eps.value_or(0.0));
+      }
       for (int j = -1; j <= 1; ++j) {
         const auto& [sum, n_samples] = drop.onsets[s.impact + j];
         by_time.back()[static_cast<std::size_t>(j + 1)] *= plate.stretch * std::sqrt(sum / n_samples);
