@@ -245,7 +245,7 @@ FitResult fit_on_these_threads(const RestitutionSamples& samples, const FitConfi
   }
   result.constants = constants_of(result);
   if (result.curve) {
-    if (!known.ball && was_open) to_mean_square(*result.curve, result.law);
+    if (!known.ball && was_open) to_mean_square(*result.curve, result.law, curve->curve().scatter);
     result.curve->peak = peaks_of(*result.curve, result.law);
     const double v_mps = config.dem_speed_mps.value_or(result.curve->nodes[result.curve->nodes.size() / 2].v_mps);
     const SampleConditions& conditions = used.front().conditions;

@@ -399,7 +399,7 @@ std::optional<Curve> averaged_curve(const RestitutionSamples& samples, const Air
   return Averaging(samples, known, config, std::move(node_speeds_mps)).run(estimate);
 }
 
-void to_mean_square(Curve& curve, const LawFit& law) {
+void to_mean_square(Curve& curve, const LawFit& law, double scatter) {
   curve.mean = curve.nodes;
   if (!law.scatter) return;
   const auto move = [](Estimate& e, double shift) {
@@ -407,13 +407,15 @@ void to_mean_square(Curve& curve, const LawFit& law) {
     for (std::optional<Interval>* interval : {&e.ci68, &e.ci95})
       if (*interval) (*interval)->lo += shift, (*interval)->hi += shift;
   };
-  const auto to_mean = [&](double v_mps) { return law.scatter->mean_minus_peak(v_mps); };
-  const auto shift = [&](double v_mps, double peak) {
-    return std::sqrt(square(peak + to_mean(v_mps)) + law.scatter->variance(v_mps)) - peak;
-  };
   const NodeEstimate& middle = curve.mean[curve.mean.size() / 2];
+  const double about_law = std::sqrt(law.scatter->variance(middle.v_mps));
+  curve.scatter = std::min(about_law, scatter);
+  const double smaller = about_law > 0.0 ? curve.scatter / about_law : 1.0;
+  const auto to_mean = [&](double v_mps) { return smaller * law.scatter->mean_minus_peak(v_mps); };
+  const auto shift = [&](double v_mps, double peak) {
+    return std::sqrt(square(peak + to_mean(v_mps)) + square(smaller) * law.scatter->variance(v_mps)) - peak;
+  };
   const double at_middle = shift(middle.v_mps, middle.eps.value);
-  curve.scatter = std::sqrt(law.scatter->variance(middle.v_mps));
   for (std::size_t k = 0; k < curve.nodes.size(); ++k) {
     const double v_mps = curve.nodes[k].v_mps, here = shift(v_mps, curve.nodes[k].eps.value);
     move(curve.nodes[k].eps, here);
