@@ -2,7 +2,7 @@
 // eps(v) of balls that are named, whatever their law: does the 95 % interval hold the truth in each of many kinds of
 // experiment, and how much wider is it than that of somebody who knows the form of the law?
 //
-//   BOUNCELAB_STATISTICS=20 fit_tests --gtest_filter='*CurveCells*kink_d10b12*'   20 tables of one cell
+//   BOUNCELAB_STATISTICS=20 fit_tests --gtest_filter='*CurveCells*kink'   20 tables of each cell of one law
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -17,8 +17,9 @@
 
 #include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/numerics.hpp"
-#include "bouncelab/fit/fit.hpp"
 #include "bouncelab/fit/restitution.hpp"
+#include "bouncelab/fit/usable_samples.hpp"
+#include "curve/smooth_curve.hpp"
 #include "drawn_balls.hpp"
 #include "law_oracle.hpp"
 #include "support/statistics.hpp"
@@ -32,9 +33,11 @@ using testing::Cell;
 constexpr std::size_t kNodes = 3;  // below which 10, 50 and 90 % of the speeds lie
 constexpr double kReach95 = 1.959963984540054;
 
-/// The estimates that are judged; none: no answer.
-std::vector<NodeEstimate> stated_nodes(const FitResult& result) {
-  return result.curve ? result.curve->nodes : std::vector<NodeEstimate>{};
+/// The estimates that are judged: those of fit_all, without the fits of laws beside them.
+std::vector<NodeEstimate> stated_nodes(const RestitutionSamples& samples) {
+  LeftOut left_out;
+  const PartOfSamples used = usable_samples(samples, left_out);
+  return SmoothCurve(*used, air_and_contact_of(*used), {}).curve().nodes;
 }
 
 /// How many tables a cell has; BOUNCELAB_STATISTICS=N above 1: N.
@@ -118,12 +121,9 @@ void take_in(CellScore& score, const Cell& cell, int number) {
   RestitutionConfig config;
   config.ball = ball_from_text(cell.its_ball().name);
   config.plate = kGlass;
-  FitConfig fit;
-  fit.n_goodness = 0;
   const auto start = std::chrono::steady_clock::now();
-  const FitResult result = fit_all(restitution_samples(table.onsets, config).samples, fit);
+  const std::vector<NodeEstimate> stated = stated_nodes(restitution_samples(table.onsets, config).samples);
   score.fit_s += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  const std::vector<NodeEstimate> stated = stated_nodes(result);
   ++score.n_tables;
   if (stated.size() != kNodes || !std::ranges::all_of(stated, [](const auto& n) { return n.eps.ci95.has_value(); })) {
     ++score.n_without;
@@ -185,28 +185,31 @@ CellScore score_of(const Cell& cell, int n_tables) {
   return score;
 }
 
-class CurveCells : public ::testing::TestWithParam<Cell> {
- protected:
-  static void SetUpTestSuite() { print_heading(); }
-};
+class CurveCells : public ::testing::TestWithParam<std::string> {};
 
-TEST_P(CurveCells, HoldTheTruthInIntervalsNotMuchWiderThanNeeded) {
-  const Cell& cell = GetParam();
-  // what is broken is seen in two cells, one of a law that is simple and one that is not
-  const bool is_one_of_two = cell.name() == "const90_d3b12" || cell.name() == "kink_d10b12";
-  const int n_tables = tables_of_a_cell(is_one_of_two ? 8 : 1, 200);
-  const CellScore score = score_of(cell, n_tables);
-  print(cell, score);
-  EXPECT_EQ(score.n_without, 0);
-  // pointwise intervals of a smooth curve hold the truth in 95 % on average over a curve, not at each place of it
-  EXPECT_GE(score.mean_coverage() * n_tables, test::fewest_of(n_tables, 0.88));
-  constexpr int kEnoughForAMedian = 20;  // which is then known to 10 % or so
-  if (n_tables < kEnoughForAMedian || score.n_without > 0) return;
-  // who does not know that the law bends once pays for it everywhere
-  EXPECT_LE(score.width_over_oracle(), cell.law == "kink" || cell.law == "step" ? 3.0 : 2.5);
+TEST_P(CurveCells, OfOneLawHoldTheTruthInIntervalsNotMuchWiderThanNeeded) {
+  print_heading();
+  for (const Cell& cell : all_cells()) {
+    if (cell.law != GetParam()) continue;
+    // what is broken is seen in two cells, one of a law that is simple and one that is not
+    const bool is_one_of_two = cell.name() == "const90_d3b12" || cell.name() == "kink_d10b12";
+    const int n_tables = tables_of_a_cell(is_one_of_two ? 8 : 0, 200);
+    if (n_tables == 0) continue;
+    const CellScore score = score_of(cell, n_tables);
+    print(cell, score);
+    EXPECT_EQ(score.n_without, 0) << cell.name();
+    // pointwise intervals of a smooth curve hold the truth in 95 % on average over a curve, not at each place of it
+    EXPECT_GE(score.mean_coverage() * n_tables, test::fewest_of(n_tables, 0.88)) << cell.name();
+    constexpr int kEnoughForAMedian = 20;  // which is then known to 10 % or so
+    if (n_tables < kEnoughForAMedian || score.n_without > 0) continue;
+    // who does not know that the law bends once pays for it everywhere
+    EXPECT_LE(score.width_over_oracle(), cell.law == "kink" || cell.law == "step" ? 3.0 : 2.5) << cell.name();
+  }
 }
-INSTANTIATE_TEST_SUITE_P(Fit, CurveCells, ::testing::ValuesIn(all_cells()),
-                         [](const auto& of) { return of.param.name(); });
+INSTANTIATE_TEST_SUITE_P(Fit, CurveCells,
+                         ::testing::Values("const75", "const90", "visco", "linear", "johnson", "thornton", "thornton1",
+                                           "kink", "bump", "step"),
+                         [](const auto& of) { return of.param; });
 
 TEST(CurveCellsTogether, HoldTheTruthAsOftenAsTheySay) {
   const int n_tables = test::repetitions(0, 20);

@@ -20,7 +20,7 @@ namespace {
 constexpr double kEpsMiddle = 0.8, kEpsSd = 0.2;
 constexpr Eigen::Index kEnoughForNoise = 4000;  // samples: s is then known to a hundredth
 constexpr double kLinear = 0.15;  // in ln: drag and contact time are linear about a place so near
-constexpr std::size_t kGrid = 41;  // speeds of the picture, and where a step is looked for
+constexpr std::size_t kGrid = 25;  // speeds of the picture
 constexpr double kShareOfOutliers = 0.01;
 // half of them a bounce on something else, 10 s off or so; half a time that is of no impact
 constexpr double kSizesOfOutliers[] = {10.0, 100.0};
@@ -489,53 +489,68 @@ void SmoothCurve::describe_deviation(const Sum& sum) {
 /// A step is one more column, 1 above its speed, with a size beforehand of some part of 1 - eps. It is stated where it is
 /// nearly certain that one is there, at whichever speed, beside a curve that may bend.
 void SmoothCurve::describe_step(const Sum& sum, const RestitutionSamples& samples) {
-  constexpr double kOfLost = 0.3;  // a floor beside another loses some half as much or more
-  constexpr Eigen::Index kBeside = 4;  // samples: fewer may be impacts that were lost
+  constexpr double kOfLost = 0.6;  // a floor beside another loses some half as much or twice
+  constexpr std::size_t kBeside = 4, kMostPlaces = 200;  // samples on either side: fewer may be impacts that were lost
   const double nearly_certain = log(99.0);
+  std::vector<double> x(some_.samples.x.data(), some_.samples.x.data() + some_.samples.size()), at_x;
+  std::sort(x.begin(), x.end());
+  for (std::size_t k = kBeside; k + kBeside <= x.size(); k += 1 + x.size() / kMostPlaces)
+    at_x.push_back(0.5 * (x[k - 1] + x[k]));
+  if (at_x.empty()) return;
+  const auto n_places = static_cast<Eigen::Index>(at_x.size()), n_before = some_.columns.cols();
+  Eigen::MatrixXd columns(some_.samples.size(), n_before + n_places);
+  columns.leftCols(n_before) = some_.columns;
+  for (Eigen::Index k = 0; k < n_places; ++k)
+    columns.col(n_before + k) = (some_.samples.x.array() > at_x[static_cast<std::size_t>(k)]).cast<double>();
   const Term& best = *std::max_element(sum.terms.begin(), sum.terms.end(),
                                        [](const Term& a, const Term& b) { return a.weight < b.weight; });
-  Eigen::MatrixXd columns(some_.samples.size(), some_.columns.cols() + static_cast<Eigen::Index>(kGrid));
-  columns.leftCols(some_.columns.cols()) = some_.columns;
-  for (std::size_t k = 0; k < kGrid; ++k)
-    columns.col(some_.columns.cols() + static_cast<Eigen::Index>(k)) =
-        (some_.samples.x.array() > sum.x[sum.n_nodes + k]).cast<double>();
   const Gram with_steps =
       gram_of(some_.samples, slopes_.anchor(), some_.inflation, columns, sum.noises[best.noise]);
-  const Gram without{with_steps.of.topLeftCorner(some_.columns.cols(), some_.columns.cols()), with_steps.ln_det};
+  const Gram without{with_steps.of.topLeftCorner(n_before, n_before), with_steps.ln_det};
   const Linear of = linear(without, best.base);
   const std::vector<Eigen::Index> unknowns = unknowns_of(best.base);
+  const Eigen::MatrixXd of_steps = with_steps.of(unknowns, Eigen::seqN(n_before, n_places));
   const Eigen::Index residual = residual_of(best.base);
   struct Step {
-    double ln_b = -HUGE_VAL, mean = 0.0, sd = 0.0, slower = 0.0;
+    double ln_evidence = 0.0, mean = 0.0, variance = 0.0, slower = 0.0;
   };
-  std::vector<double> ln_evidence, ln_with;
-  Step most;
-  std::size_t at = 0;
+  std::vector<double> ln_evidence;
+  std::vector<std::vector<Step>> steps(at_x.size());
   for (const Slopes::Place& place : Slopes::places()) {
     const Solution solution = solve(of, place);
     ln_evidence.push_back(solution.ln_evidence);
-    for (std::size_t k = 0; k < kGrid; ++k) {
-      const Eigen::Index column = some_.columns.cols() + static_cast<Eigen::Index>(k);
-      const double x = sum.x[sum.n_nodes + k];
-      const auto n_faster = (some_.samples.x.array() > x).count();
-      if (n_faster < kBeside || some_.samples.size() - n_faster < kBeside) continue;
-      const Eigen::VectorXd half = solution.root.matrixL().solve(Eigen::VectorXd(with_steps.of(unknowns, column)));
-      const double prior2 = square(kOfLost * lost_), known = with_steps.of(column, column) - half.squaredNorm(),
-                   right = with_steps.of(column, residual) - half.dot(solution.half), precision = known + 1.0 / prior2;
-      Step step{0.0, right / precision, 1.0 / std::sqrt(precision), 0.0};
-      step.ln_b = solution.ln_evidence + 0.5 * square(right) / precision - 0.5 * log(precision * prior2) -
-                  log(static_cast<double>(kGrid));
-      ln_with.push_back(step.ln_b);
-      if (step.ln_b < most.ln_b) continue;
-      const Eigen::VectorXd rest = solution.root.matrixU().solve(Eigen::VectorXd(solution.half - step.mean * half));
-      const auto [eps, unit] = base_at(best.base, x);
-      step.slower = eps + unit * rest[0] + slopes_.row(x).dot(rest.segment(1, Slopes::kKnots));
-      most = step, at = k;
+    const Eigen::MatrixXd half = solution.root.matrixL().solve(of_steps);
+    for (Eigen::Index k = 0; k < n_places; ++k) {
+      const Eigen::Index column = n_before + k;
+      const double prior2 = square(kOfLost * lost_);
+      const double precision = with_steps.of(column, column) - half.col(k).squaredNorm() + 1.0 / prior2;
+      const double right = with_steps.of(column, residual) - half.col(k).dot(solution.half);
+      Step step{solution.ln_evidence + 0.5 * square(right) / precision - 0.5 * log(precision * prior2) -
+                    log(static_cast<double>(n_places)),
+                right / precision, 1.0 / precision};
+      const double x_here = at_x[static_cast<std::size_t>(k)];
+      const Eigen::VectorXd rest =
+          solution.root.matrixU().solve(Eigen::VectorXd(solution.half - step.mean * half.col(k)));
+      const auto [eps, unit] = base_at(best.base, x_here);
+      step.slower = eps + unit * rest[0] + slopes_.row(x_here).dot(rest.segment(1, Slopes::kKnots));
+      steps[static_cast<std::size_t>(k)].push_back(step);
     }
   }
-  if (ln_with.empty() || ln_sum(ln_with) - ln_sum(ln_evidence) < nearly_certain) return;
-  curve_.step = RestitutionStep{exp(sum.x[sum.n_nodes + at]), most.slower + most.mean, most.slower,
-                                normal_estimate(most.mean, most.sd), std::nullopt};
+  std::vector<double> ln_with;
+  for (const std::vector<Step>& here : steps) {
+    std::vector<double> ln;
+    for (const Step& step : here) ln.push_back(step.ln_evidence);
+    ln_with.push_back(ln_sum(ln));
+  }
+  if (ln_sum(ln_with) - ln_sum(ln_evidence) < nearly_certain) return;
+  const auto likeliest = static_cast<std::size_t>(std::max_element(ln_with.begin(), ln_with.end()) - ln_with.begin());
+  double mean = 0.0, squares = 0.0, slower = 0.0;
+  for (const Step& step : steps[likeliest]) {
+    const double weight = exp(step.ln_evidence - ln_with[likeliest]);
+    mean += weight * step.mean, squares += weight * (step.variance + square(step.mean)), slower += weight * step.slower;
+  }
+  curve_.step = RestitutionStep{exp(at_x[likeliest]), slower + mean, slower,
+                                normal_estimate(mean, std::sqrt(squares - square(mean))), std::nullopt};
   if (all_.samples.n_drops > 1) return;
   for (const RestitutionSample& s : at_the_plate(samples, known_, deviation_))
     if (s.v_mps > curve_.step->v_mps) curve_.step->impact = std::max(curve_.step->impact.value_or(s.impact), s.impact);
