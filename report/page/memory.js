@@ -69,7 +69,7 @@ function memoryBesideIndependent(m) {
   table('', ['quantity', ...(withTruth ? ['what went in'] : []), 'with memory', '95% interval', 'impacts as independent', 'variance ratio'],
         rows.map(([name, t, e, other]) => [name, ...(withTruth ? [number(t, 7)] : []), measured(e.value, e.se), interval(e.ci95), measured(other.value, other.se),
                                            known(other.se) && e.se > 0 ? number((other.se / e.se) ** 2, 3) : '–']),
-        'Impacts as independent: the fit that knows nothing of memory, for comparison. Variance ratio: how many times more drops it would need for the same error.');
+        'ε is here that of the law at the contact, the peak. Impacts as independent: the fit that knows nothing of memory, for comparison. Variance ratio: how many times more drops it would need for the same error.');
 }
 
 /// What the scatter says of the surface. All but q follows from q, so that an interval is q's, to a power.

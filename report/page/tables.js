@@ -16,7 +16,7 @@ function truthTable() {
   const rows = nodes.map(n => row(`ε(${speed(n.v_mps)})`, n.truth, of(n.from_true_times, 'eps'), of(n.from_sound, 'eps')));
   for (const c of summary.constants || []) rows.push(row(c.name, c.truth, of(c.from_true_times, 'value'), of(c.from_sound, 'value')));
   table('What went in, what came out', ['quantity', 'truth', 'from true times', 'from sound', 'pull'], rows,
-        'Pull: (from sound − truth) / standard error; honest errors give values of about ±1.');
+        'ε is that of the law at the contact, which the most frequent ε follows. Pull: (from sound − truth) / standard error; honest errors give values of about ±1.');
   const cell = x => x ? measured(x.value, x.se) : '–';
   table('', ['slopes of p(ε)', 'rising, true times', 'rising, sound', 'falling, true times', 'falling, sound'], (summary.slopes || []).map(s => {
     const t = s.from_true_times || {}, f = s.from_sound || {};

@@ -80,7 +80,7 @@ void warn_of_law(const FitResult& result, std::vector<std::string>& warnings) {
   if (law.p_value && *law.p_value < 0.001 && !memory_holds(result)) {
     double ratio = 0.0;
     for (const ResidualBin& bin : law.residuals) ratio += bin.scatter_ratio / static_cast<double>(law.residuals.size());
-    warnings.push_back(formatted("the scatter about the law is not as its fit assumes: χ²/ndf = %.2f, p = %.1e; ",
+    warnings.push_back(formatted("the scatter about the law is not as the fit assumes: χ²/ndf = %.2f, p = %.1e; ",
                                  *law.chi2 / static_cast<double>(*law.ndf), *law.p_value) +
                        (ratio < 0.8 ? formatted("it is %.2f of what the stated timing errors alone explain: these are "
                                                 "stated too large, and so are all errors given here",

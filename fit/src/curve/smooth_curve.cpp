@@ -156,11 +156,20 @@ Gram SmoothCurve::gram(const Part& part, const Noise& noise) const {
   return gram_of(part.samples, slopes_.anchor(), part.inflation, part.columns, noise);
 }
 
+std::vector<Eigen::Index> SmoothCurve::unknowns_of(std::size_t base) const {
+  std::vector<Eigen::Index> unknowns{static_cast<Eigen::Index>(base)};
+  for (Eigen::Index j = 0; j < Slopes::kKnots + n_open(); ++j)
+    unknowns.push_back(static_cast<Eigen::Index>(bases().size()) + j);
+  return unknowns;
+}
+
+Eigen::Index SmoothCurve::residual_of(std::size_t base) const {
+  return all_.columns.cols() - static_cast<Eigen::Index>(bases().size() - base);
+}
+
 SmoothCurve::Linear SmoothCurve::linear(const Gram& gram, std::size_t base) const {
-  const auto n_bases = static_cast<Eigen::Index>(bases().size()), b = static_cast<Eigen::Index>(base);
-  std::vector<Eigen::Index> unknowns{b};
-  for (Eigen::Index j = 0; j < Slopes::kKnots + n_open(); ++j) unknowns.push_back(n_bases + j);
-  const Eigen::Index residual = gram.of.cols() - n_bases + b;
+  const std::vector<Eigen::Index> unknowns = unknowns_of(base);
+  const Eigen::Index residual = residual_of(base);
   Linear linear{gram.of(unknowns, unknowns), gram.of(unknowns, residual), 0.0};
   linear.constant = -0.5 * (gram.ln_det + gram.of(residual, residual));
   const auto known_to = [&](Eigen::Index k, double mean, double sd) {
@@ -239,14 +248,14 @@ bool SmoothCurve::take_outliers_in(const Noise& noise) {
     const double other = s.timing(i, 0) + best.root.matrixL().solve(row).squaredNorm();
     const auto density = [&](double factor) {
       const double variance = factor * factor * size2 + other;
-      return exp(-0.5 * residual * residual / variance) / std::sqrt(variance);
+      return std::max(1e-300, exp(-0.5 * residual * residual / variance) / std::sqrt(variance));
     };
     // scatter may be exponential on one side: a normal alone would call its tail outliers and shift the mean
     const double sd = std::sqrt(size2 + other);
     const double own = 0.5 * density(1.0) + 0.5 * std::sqrt(kPi / 2.0) * exp(-std::abs(residual) / sd) / sd;
     double total = (1.0 - kShareOfOutliers) * std::max(own, 1e-300), inverse = total;
     for (const double size : kSizesOfOutliers) {
-      const double weight = kShareOfOutliers / std::size(kSizesOfOutliers) * std::max(density(size), 1e-300);
+      const double weight = kShareOfOutliers / std::size(kSizesOfOutliers) * density(size);
       total += weight, inverse += weight / square(size);
     }
     const double inflation = total / inverse;
@@ -477,36 +486,57 @@ void SmoothCurve::describe_deviation(const Sum& sum) {
   }
 }
 
-/// A step is a change within a tenth of ln v, or between two knots, by which eps changes more than beside it on either
-/// side: at a kink it does so on one.
+/// A step is one more column, 1 above its speed, with a size beforehand of some part of 1 - eps. It is stated where it is
+/// nearly certain that one is there, at whichever speed, beside a curve that may bend.
 void SmoothCurve::describe_step(const Sum& sum, const RestitutionSamples& samples) {
-  const double distance = (hi_ - lo_) / (kGrid - 1);
-  const auto reach = static_cast<std::size_t>(std::ceil(std::max(0.1, slopes_.distance()) / distance));
-  constexpr double kSeen = 4.0, kOfLost = 0.2;
-  const auto as_is = [](const Term&, NormalPart&) {};
-  double most = kSeen;
-  for (std::size_t k = 3 * reach; k + 3 * reach < kGrid; ++k) {
-    const auto column = [&](int steps) {
-      return static_cast<Eigen::Index>(sum.n_nodes + k) + static_cast<Eigen::Index>(reach) * steps;
-    };
-    const auto beyond_side = [&](int side) {
-      const Quantity more{{{column(1), 1.0}, {column(-1), -1.0}, {column(3 * side), -side}, {column(side), side}}, 0.0};
-      double mean = 0.0, squares = 0.0;
-      for (const NormalPart& part : parts_of(sum.terms, more, as_is))
-        mean += part.weight * part.mean, squares += part.weight * (square(part.mean) + square(part.sd));
-      return std::pair{mean, std::sqrt(squares - square(mean))};
-    };
-    const auto [slower, slower_sd] = beyond_side(-1);
-    const auto [faster, faster_sd] = beyond_side(1);
-    if (slower * faster < 0.0 || std::min(std::abs(slower), std::abs(faster)) < kOfLost * lost_) continue;
-    const double seen = std::min(std::abs(slower) / slower_sd, std::abs(faster) / faster_sd);
-    if (seen < most) continue;
-    most = seen;
-    const Quantity change{{{column(1), 1.0}, {column(-1), -1.0}}, 0.0};
-    curve_.step = RestitutionStep{curve_.points[k].x, curve_.points[k + reach].y, curve_.points[k - reach].y,
-                                  estimate_of(parts_of(sum.terms, change, as_is), -1.0, 1.0), std::nullopt};
+  constexpr double kOfLost = 0.3;  // a floor beside another loses some half as much or more
+  constexpr Eigen::Index kBeside = 4;  // samples: fewer may be impacts that were lost
+  const double nearly_certain = log(99.0);
+  const Term& best = *std::max_element(sum.terms.begin(), sum.terms.end(),
+                                       [](const Term& a, const Term& b) { return a.weight < b.weight; });
+  Eigen::MatrixXd columns(some_.samples.size(), some_.columns.cols() + static_cast<Eigen::Index>(kGrid));
+  columns.leftCols(some_.columns.cols()) = some_.columns;
+  for (std::size_t k = 0; k < kGrid; ++k)
+    columns.col(some_.columns.cols() + static_cast<Eigen::Index>(k)) =
+        (some_.samples.x.array() > sum.x[sum.n_nodes + k]).cast<double>();
+  const Gram with_steps =
+      gram_of(some_.samples, slopes_.anchor(), some_.inflation, columns, sum.noises[best.noise]);
+  const Gram without{with_steps.of.topLeftCorner(some_.columns.cols(), some_.columns.cols()), with_steps.ln_det};
+  const Linear of = linear(without, best.base);
+  const std::vector<Eigen::Index> unknowns = unknowns_of(best.base);
+  const Eigen::Index residual = residual_of(best.base);
+  struct Step {
+    double ln_b = -HUGE_VAL, mean = 0.0, sd = 0.0, slower = 0.0;
+  };
+  std::vector<double> ln_evidence, ln_with;
+  Step most;
+  std::size_t at = 0;
+  for (const Slopes::Place& place : Slopes::places()) {
+    const Solution solution = solve(of, place);
+    ln_evidence.push_back(solution.ln_evidence);
+    for (std::size_t k = 0; k < kGrid; ++k) {
+      const Eigen::Index column = some_.columns.cols() + static_cast<Eigen::Index>(k);
+      const double x = sum.x[sum.n_nodes + k];
+      const auto n_faster = (some_.samples.x.array() > x).count();
+      if (n_faster < kBeside || some_.samples.size() - n_faster < kBeside) continue;
+      const Eigen::VectorXd half = solution.root.matrixL().solve(Eigen::VectorXd(with_steps.of(unknowns, column)));
+      const double prior2 = square(kOfLost * lost_), known = with_steps.of(column, column) - half.squaredNorm(),
+                   right = with_steps.of(column, residual) - half.dot(solution.half), precision = known + 1.0 / prior2;
+      Step step{0.0, right / precision, 1.0 / std::sqrt(precision), 0.0};
+      step.ln_b = solution.ln_evidence + 0.5 * square(right) / precision - 0.5 * log(precision * prior2) -
+                  log(static_cast<double>(kGrid));
+      ln_with.push_back(step.ln_b);
+      if (step.ln_b < most.ln_b) continue;
+      const Eigen::VectorXd rest = solution.root.matrixU().solve(Eigen::VectorXd(solution.half - step.mean * half));
+      const auto [eps, unit] = base_at(best.base, x);
+      step.slower = eps + unit * rest[0] + slopes_.row(x).dot(rest.segment(1, Slopes::kKnots));
+      most = step, at = k;
+    }
   }
-  if (!curve_.step || all_.samples.n_drops > 1) return;
+  if (ln_with.empty() || ln_sum(ln_with) - ln_sum(ln_evidence) < nearly_certain) return;
+  curve_.step = RestitutionStep{exp(sum.x[sum.n_nodes + at]), most.slower + most.mean, most.slower,
+                                normal_estimate(most.mean, most.sd), std::nullopt};
+  if (all_.samples.n_drops > 1) return;
   for (const RestitutionSample& s : at_the_plate(samples, known_, deviation_))
     if (s.v_mps > curve_.step->v_mps) curve_.step->impact = std::max(curve_.step->impact.value_or(s.impact), s.impact);
 }

@@ -63,6 +63,8 @@ class SmoothCurve {
   void prepare(const RestitutionSamples& samples, Deviation at, const std::vector<double>& more_speeds_mps);
   void set_columns();
   Gram gram(const Part& part, const Noise& noise) const;
+  std::vector<Eigen::Index> unknowns_of(std::size_t base) const;
+  Eigen::Index residual_of(std::size_t base) const;
   Linear linear(const Gram& gram, std::size_t base) const;
   Solution solve(const Linear& linear, const Slopes::Place& place) const;
   double ln_evidence(const Gram& gram, std::size_t base, const std::vector<Slopes::Place>& places) const;

@@ -123,7 +123,7 @@ Description members_of(const BudgetRow*) {
                              "Shift of ε by air drag, which is taken out; `null` where the ball is not known"),
       member<&B::shift_contact_time>("shift_contact_time", "Likewise by the duration of contact"),
       member<&B::mean_minus_peak>("mean_minus_peak", "What least squares would be off by"),
-      member<&B::se_curve>("se_curve", "Standard error of ε(v) here")};
+      member<&B::se_curve>("se_curve", "Standard error of the law here")};
   return all;
 }
 

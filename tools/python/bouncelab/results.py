@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     Path = Union[str, "os.PathLike[str]"]
 
 
-_ONE_SPEED = 1e-9  # in ln v: rounding
+_ROUNDING, _ONE_SPEED = 1e-9, 0.1  # in ln v: so near the ends, or the only speed
 
 
 class BouncelabWarning(UserWarning):
@@ -350,13 +350,14 @@ class Fit:
         -------
         Estimate
             Value, standard error and 95 % interval: numbers, or arrays of the shape of `v`. Between the points of
-            fit.json's curve straight in ln v; NaN outside the speeds of the data.
+            fit.json's curve straight in ln v; NaN outside the speeds of the data, of one speed more than a tenth off it.
         """
         import numpy as np
 
         speeds = _speeds(v)
         x, points = self._points()
-        beyond = (np.log(speeds) < x[0] - _ONE_SPEED) | (np.log(speeds) > x[-1] + _ONE_SPEED)
+        near = _ROUNDING if len(x) > 1 else _ONE_SPEED
+        beyond = (np.log(speeds) < x[0] - near) | (np.log(speeds) > x[-1] + near)
         value, lo95, hi95 = (np.where(beyond, np.nan, np.interp(np.log(speeds), x, y)) for y in points)
         estimate = Estimate(value, (hi95 - lo95) / (2 * 1.959963984540054), lo95, hi95)
         return Estimate(*map(float, estimate)) if speeds.ndim == 0 else estimate
