@@ -48,14 +48,19 @@ TEST_F(RoughnessCommand, OfAFitWithMemoryIsPrintedBesideTheIndependentLikelihood
   const Result result =
       run("fit s.csv --method memory --goodness-replicates 0 --nodes 0.6 --nodes 1 --table law.csv --out f.json");
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_THAT(result.out, testing::ContainsRegex(
-                              "ε.0.6 m/s. = 0.97[0-9]+ ± 0.0000[0-9]+; impacts taken as independent: 0.97[0-9]+ ±"));
+  EXPECT_THAT(result.out, testing::ContainsRegex("ε.0.6 m/s. = 0.97[0-9]+ ± 0.000[0-9]+\n"));
+  EXPECT_THAT(result.out,
+              testing::ContainsRegex("A4 = 0.1[0-9]+ ± 0.0[0-9]+; impacts taken as independent: 0.[0-9]+ ±"));
   // as printed, to a digit of a tenth of the standard error or finer
-  const std::string printed = result.out.substr(result.out.find("ε(0.6 m/s) = ") + 14);
-  const Json node = json("f.json")["memory"]["nodes"][0];
-  EXPECT_NEAR(std::stod(printed), node["eps"].number(), 0.1 * node["se"].number());
+  const auto expect_printed = [&](const std::string& name, double value, double se) {
+    const std::string printed = result.out.substr(result.out.find(name) + name.size());
+    EXPECT_NEAR(std::stod(printed), value, 0.1 * se) << name;
+  };
+  const Json node = json("f.json")["curve"]["nodes"][0], a4 = json("f.json")["memory"]["A4"];
+  expect_printed("ε(0.6 m/s) = ", node["eps"].number(), node["se"].number());
+  expect_printed("A4 = ", a4["value"].number(), a4["se"].number());
   const std::string table = content("law.csv"), first = table.substr(table.find(',', table.find('\n')) + 1);
-  EXPECT_DOUBLE_EQ(std::stod(first), json("f.json")["memory"]["curve"][0]["eps"].number());
+  EXPECT_DOUBLE_EQ(std::stod(first), json("f.json")["curve"]["points"][0]["eps"].number());
   EXPECT_THAT(result.out, testing::HasSubstr("the fluctuations remember those before them"));
   EXPECT_THAT(result.out, testing::HasSubstr("roughness: q = "));
   const auto f = json("f.json");
