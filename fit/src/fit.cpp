@@ -133,11 +133,11 @@ Constants constants_of(const FitResult& result) {
   }
   if (law.misfit && law.misfit->ln_bayes_factor > kStrongBayesFactor) {
     constants.status = FitStatus::not_applicable;
-    constants.message =
-        formatted("the law does not describe these bounces: at %.2g m/s ε is %.2g %s it (ln B = %.0f), and its "
-                  "constants mean nothing",
-                  law.misfit->v_mps, std::abs(law.misfit->off), law.misfit->off > 0.0 ? "above" : "below",
-                  law.misfit->ln_bayes_factor);
+    constants.message = formatted(
+        "the law does not describe these bounces: at %.2g m/s ε is %.2g %s it (ln B = %.0f), and its "
+        "constants mean nothing",
+        law.misfit->v_mps, std::abs(law.misfit->off), law.misfit->off > 0.0 ? "above" : "below",
+        law.misfit->ln_bayes_factor);
     constants.parameters.clear();
     constants.covariance.clear();
     constants.correlation.clear();

@@ -173,8 +173,8 @@ TEST(Causes, AreMostlyTheSpeedWhereTheLawFallsByMoreThanTheBouncesScatter) {
   const FitInWords words = told(samples);
   EXPECT_THAT(seen_causes(words), ::testing::ElementsAre("speed", "roughness"));
   EXPECT_THAT(words.causes[0].sentence, ::testing::StartsWith("Mostly the speed"));
-  const auto [slowest, fastest] = std::minmax_element(
-      samples.begin(), samples.end(), [](const auto& a, const auto& b) { return a.v_mps < b.v_mps; });
+  const auto [slowest, fastest] = std::minmax_element(samples.begin(), samples.end(),
+                                                      [](const auto& a, const auto& b) { return a.v_mps < b.v_mps; });
   const auto rms = [&](double v_mps) {
     const double below = mean_below(run, v_mps), above = mean_above(run, v_mps);
     return std::hypot(restitution(run.law, v_mps) + above - below, std::hypot(below, above));

@@ -351,10 +351,10 @@ class Averaging {
     const auto of_term = [&, j](const Term& t) {
       const double of_curve = error_of(t, [j](const Fitted& f) { return f.se[j]; });
       const double of_bounce = t.between([](const Fitted& f) { return f.scatter; });
-      const double eps = t.between([j](const Fitted& f) { return f.eps[j]; }), se = hypot(of_curve, of_bounce);
+      const double eps = t.between([j](const Fitted&f) { return f.eps[j]; }), se = hypot(of_curve, of_bounce);
       const OneAirAndContact one(*t.grid->known, {t.kappa->at, t.tau->at});
-      return std::pair{ln_release_height(flights, one, eps), 0.5 * (ln_release_height(flights, one, eps - se) -
-                                                                    ln_release_height(flights, one, eps + se))};
+      return std::pair{ln_release_height(flights, one, eps),
+                       0.5 * (ln_release_height(flights, one, eps - se) - ln_release_height(flights, one, eps + se))};
     };
     // A ball that is not named is one of a dozen kinds, and the interval has to hold for each of them: beyond one end
     // of 95 % of their sum there may be a third of a kind whose share is 7 %.
@@ -393,8 +393,8 @@ class Averaging {
 }  // namespace
 
 std::optional<Curve> averaged_curve(const RestitutionSamples& samples, const AirAndContact& known,
-                                            const LawFitConfig& config, std::vector<double> node_speeds_mps,
-                                            DeviationEstimate& estimate) {
+                                    const LawFitConfig& config, std::vector<double> node_speeds_mps,
+                                    DeviationEstimate& estimate) {
   if (samples.empty()) return std::nullopt;
   return Averaging(samples, known, config, std::move(node_speeds_mps)).run(estimate);
 }

@@ -30,12 +30,13 @@ struct DeviationEstimate {
 /// @param estimate  gets where drag and contact time are
 /// @return absent where no law can be fitted
 std::optional<Curve> averaged_curve(const RestitutionSamples& samples, const AirAndContact& known,
-                                            const LawFitConfig& config, std::vector<double> node_speeds_mps,
-                                            DeviationEstimate& estimate);
+                                    const LawFitConfig& config, std::vector<double> node_speeds_mps,
+                                    DeviationEstimate& estimate);
 
 /// The laws are of the peak of the scatter: the curve as root mean square instead.
 /// @param law      with the shape of the scatter
-/// @param scatter  of eps about a smooth curve: of few samples a law may pass them by, and the scatter about it is larger
+/// @param scatter  of eps about a smooth curve: of few samples a law may pass them by, and the scatter about it is
+/// larger
 void to_mean_square(Curve& curve, const LawFit& law, double scatter);
 
 }  // namespace bouncelab::fit

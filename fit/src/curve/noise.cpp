@@ -28,11 +28,10 @@ Eigen::MatrixXd covariance_of(const PlateSamples& samples, const PlateSamples::P
   const double rho2 = noise.rho * noise.rho, ln_phi = log(noise.phi);
   for (Eigen::Index j = 0; j < n; ++j) {
     for (Eigen::Index i = j; i < n; ++i)
-      covariance(i, j) = rho2 * size[i] * size[j] *
-                         exp(ln_phi * (samples.impact[begin + i] - samples.impact[begin + j]));
+      covariance(i, j) =
+          rho2 * size[i] * size[j] * exp(ln_phi * (samples.impact[begin + i] - samples.impact[begin + j]));
     covariance(j, j) += own[j];
-    for (Eigen::Index lag = 0; lag <= 2 && j + lag < n; ++lag)
-      covariance(j + lag, j) += samples.timing(begin + j, lag);
+    for (Eigen::Index lag = 0; lag <= 2 && j + lag < n; ++lag) covariance(j + lag, j) += samples.timing(begin + j, lag);
   }
   return covariance;
 }
@@ -63,9 +62,7 @@ double whiten_by_timing(const Eigen::Ref<const Eigen::MatrixXd>& timing, const E
 
 }  // namespace
 
-double Noise::variance(double ln_ratio) const {
-  return exp(2.0 * ln_s - 2.0 * power * ln_ratio) * (1.0 + rho * rho);
-}
+double Noise::variance(double ln_ratio) const { return exp(2.0 * ln_s - 2.0 * power * ln_ratio) * (1.0 + rho * rho); }
 
 Gram gram_of(const PlateSamples& samples, double x_middle, const Eigen::VectorXd& inflation,
              const Eigen::MatrixXd& columns, const Noise& noise) {

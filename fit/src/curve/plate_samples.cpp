@@ -15,7 +15,8 @@ namespace {
 
 constexpr std::size_t kLongestPiece = 128;
 
-/// d eps / d t of the onsets before, at and after an impact [1/s], eps the ratio of the intervals; and the time of each.
+/// d eps / d t of the onsets before, at and after an impact [1/s], eps the ratio of the intervals; and the time of
+/// each.
 struct OfOnsets {
   std::array<double, 3> by_time{};
   double sigma_t2 = 0.0;  ///< of one onset, if all three are known alike [s^2]

@@ -20,8 +20,8 @@ struct PlateSamples {
   };
   std::vector<Piece> pieces;
   std::size_t n_drops = 0;
-  Eigen::VectorXd x;        ///< ln v, v in m/s
-  Eigen::VectorXd eps;      ///< less what noisy intervals add on average
+  Eigen::VectorXd x;         ///< ln v, v in m/s
+  Eigen::VectorXd eps;       ///< less what noisy intervals add on average
   Eigen::MatrixXd dx, deps;  ///< derivatives by the deviations
   Eigen::VectorXd impact;    ///< its number within the drop
   /// Variance of eps by the times, covariance with the next row of the piece, with the one after that.

@@ -19,8 +19,8 @@ namespace {
 // What people drop has eps of 0.5 (squash) to 0.97 (steel on glass).
 constexpr double kEpsMiddle = 0.8, kEpsSd = 0.2;
 constexpr Eigen::Index kEnoughForNoise = 4000;  // samples: s is then known to a hundredth
-constexpr double kLinear = 0.15;  // in ln: drag and contact time are linear about a place so near
-constexpr std::size_t kGrid = 25;  // speeds of the picture
+constexpr double kLinear = 0.15;                // in ln: drag and contact time are linear about a place so near
+constexpr std::size_t kGrid = 25;               // speeds of the picture
 constexpr double kShareOfOutliers = 0.01;
 // half of them a bounce on something else, 10 s off or so; half a time that is of no impact
 constexpr double kSizesOfOutliers[] = {10.0, 100.0};
@@ -103,9 +103,8 @@ SmoothCurve::SmoothCurve(const RestitutionSamples& samples, const AirAndContact&
   };
   noises_ = likely_noises(first, all_.samples.n_drops, static_cast<std::size_t>(some_.samples.size()), evidence);
   for (LikelyNoise& likely : noises_)
-    likely = of_all(likely, [&](const Noise& noise) {
-      return ln_evidence(gram(all_, noise), kConstant, Slopes::few_places());
-    });
+    likely = of_all(
+        likely, [&](const Noise& noise) { return ln_evidence(gram(all_, noise), kConstant, Slopes::few_places()); });
   describe(samples);
 }
 
@@ -213,10 +212,9 @@ LikelyNoise SmoothCurve::of_all(const LikelyNoise& of_some, const std::function<
 }
 
 LikelyNoise SmoothCurve::first_noise(double step, double ln_s) const {
-  return with_likely_s({ln_s, 0.5, 0.0, 1.0, 0.0}, step, static_cast<std::size_t>(some_.samples.size()),
-                       [&](const Noise& noise) {
-                         return ln_evidence(gram(some_, noise), kConstant, Slopes::few_places());
-                       });
+  return with_likely_s(
+      {ln_s, 0.5, 0.0, 1.0, 0.0}, step, static_cast<std::size_t>(some_.samples.size()),
+      [&](const Noise& noise) { return ln_evidence(gram(some_, noise), kConstant, Slopes::few_places()); });
 }
 
 namespace {
@@ -429,7 +427,8 @@ void SmoothCurve::describe(const RestitutionSamples& samples) {
   describe_scatter(sum);
   describe_deviation(sum);
   if (has_curve) describe_step(sum, samples);
-  for (std::size_t k = 0; k < sum.first_flights.size(); ++k) describe_heights(sum, sum.first_flights[k], sum.n_shown + k);
+  for (std::size_t k = 0; k < sum.first_flights.size(); ++k)
+    describe_heights(sum, sum.first_flights[k], sum.n_shown + k);
 }
 
 void SmoothCurve::describe_scatter(const Sum& sum) {
@@ -486,10 +485,10 @@ void SmoothCurve::describe_deviation(const Sum& sum) {
   }
 }
 
-/// A step is one more column, 1 above its speed, with a size beforehand of some part of 1 - eps. It is stated where it is
-/// nearly certain that one is there, at whichever speed, beside a curve that may bend.
+/// A step is one more column, 1 above its speed, with a size beforehand of some part of 1 - eps. It is stated where it
+/// is nearly certain that one is there, at whichever speed, beside a curve that may bend.
 void SmoothCurve::describe_step(const Sum& sum, const RestitutionSamples& samples) {
-  constexpr double kOfLost = 0.6;  // a floor beside another loses some half as much or twice
+  constexpr double kOfLost = 0.6;                        // a floor beside another loses some half as much or twice
   constexpr std::size_t kBeside = 4, kMostPlaces = 200;  // samples on either side: fewer may be impacts that were lost
   const double nearly_certain = log(99.0);
   std::vector<double> x(some_.samples.x.data(), some_.samples.x.data() + some_.samples.size()), at_x;
@@ -504,8 +503,7 @@ void SmoothCurve::describe_step(const Sum& sum, const RestitutionSamples& sample
     columns.col(n_before + k) = (some_.samples.x.array() > at_x[static_cast<std::size_t>(k)]).cast<double>();
   const Term& best = *std::max_element(sum.terms.begin(), sum.terms.end(),
                                        [](const Term& a, const Term& b) { return a.weight < b.weight; });
-  const Gram with_steps =
-      gram_of(some_.samples, slopes_.anchor(), some_.inflation, columns, sum.noises[best.noise]);
+  const Gram with_steps = gram_of(some_.samples, slopes_.anchor(), some_.inflation, columns, sum.noises[best.noise]);
   const Gram without{with_steps.of.topLeftCorner(n_before, n_before), with_steps.ln_det};
   const Linear of = linear(without, best.base);
   const std::vector<Eigen::Index> unknowns = unknowns_of(best.base);
@@ -602,7 +600,8 @@ LawBeside SmoothCurve::beside(const LawModel& law, const Eigen::VectorXd& q,
         s.eps - law.eps(v_mps, q) - to_mean;
     return columns;
   };
-  const Eigen::MatrixXd all = columns_of(all_), some = all_.samples.size() == some_.samples.size() ? all : columns_of(some_);
+  const Eigen::MatrixXd all = columns_of(all_),
+                        some = all_.samples.size() == some_.samples.size() ? all : columns_of(some_);
   const Eigen::Index n_law = q.size() + 1, n = n_law + Slopes::kKnots + n_open();
   std::vector<Eigen::Index> alone, with;
   for (Eigen::Index k = 0; k < n; ++k) {

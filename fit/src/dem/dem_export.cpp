@@ -248,8 +248,7 @@ std::optional<DemExport> dem_export(const Curve& curve, const std::optional<Scat
   };
   decks.about = at + ball_line;
   add_viscoelastic(result, decks, fit, off_constant);
-  if (scatter && fastest > slowest)
-    add(independent_samplers(scatter_rows(fit), "two exponentials with a normal part"));
+  if (scatter && fastest > slowest) add(independent_samplers(scatter_rows(fit), "two exponentials with a normal part"));
   if (memory && memory->law && !memory->curve.empty())
     result.snippets.push_back(sampler_with_memory(*memory->law, memory->roughness.q.value, memory->curve.front().x,
                                                   memory->curve.back().x, "law and q of the fit with memory"));

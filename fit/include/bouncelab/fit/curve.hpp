@@ -65,7 +65,7 @@ Description members_of(const Curve*);
 
 /// A law of few constants beside the curve.
 struct LawMisfit {
-  double ln_bayes_factor = 0.0;  ///< of the law with a smooth deviation over the law alone
+  double ln_bayes_factor = 0.0;   ///< of the law with a smooth deviation over the law alone
   double v_mps = 0.0, off = 0.0;  ///< where the deviation is largest for its error, and how large (curve less law)
 };
 Description members_of(const LawMisfit*);

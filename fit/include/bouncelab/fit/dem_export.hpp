@@ -27,7 +27,7 @@ Description members_of(const Snippet*);
 /// (docs/dem.md)
 struct DemExport {
   double v_mps = 0.0;
-  double eps = 0.0;             ///< root mean square of eps at v
+  double eps = 0.0;  ///< root mean square of eps at v
   std::optional<double> se;
   double mean = 0.0;            ///< mean at v
   double peak = 0.0;            ///< of p(eps | v)
@@ -45,8 +45,8 @@ Description members_of(const DemExport*);
 /// @param memory  where it holds: adds a function that fluctuates with memory, by its own law and q
 /// @return nullopt where eps is not in (0, 1] as these codes demand
 std::optional<DemExport> dem_export(const Curve& curve, const std::optional<ScatterModel>& scatter, double v_mps,
-                                    const std::optional<Ball>& ball,
-                                    const std::optional<Material>& plate, const MemoryFit* memory = nullptr);
+                                    const std::optional<Ball>& ball, const std::optional<Material>& plate,
+                                    const MemoryFit* memory = nullptr);
 
 /// eps(v) as a table v_mps, eps, lo95, hi95.
 Table law_table(const std::vector<CurvePoint>& curve);

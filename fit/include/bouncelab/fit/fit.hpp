@@ -88,8 +88,8 @@ Description members_of(const FitResult*);
 /// @throws InvalidArgument where the orders of the series are not valid, or more than fit_memory takes
 FitResult fit_all(const RestitutionSamples& samples, const FitConfig& config, const ProgressCallback& progress = {});
 
-/// Does the fit with memory hold? Its constants are then stated, and those of `law`, which takes impacts as independent,
-/// are a comparison.
+/// Does the fit with memory hold? Its constants are then stated, and those of `law`, which takes impacts as
+/// independent, are a comparison.
 bool memory_holds(const FitResult& result);
 
 }  // namespace bouncelab::fit

@@ -124,7 +124,7 @@ struct LawFit {
   std::vector<std::string> notes;         ///< what was asked for and could not be had
   /// Beside the smooth curve (fit_all), where it describes the mean of eps or the peak of the scatter.
   std::optional<LawMisfit> misfit;
-  std::optional<RestitutionLaw> law;      ///< usable wherever a law is wanted; absent where the fit failed
+  std::optional<RestitutionLaw> law;  ///< usable wherever a law is wanted; absent where the fit failed
 };
 Description members_of(const LawFit*);
 
