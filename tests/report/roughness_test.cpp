@@ -154,7 +154,7 @@ TEST(MemoryOfFitAll, LeavesOutTheWarningsOfImpactsTakenAsIndependent) {
   const auto warns = [&] {
     const FitInWords words = in_words(result, drops(true));
     return std::any_of(words.warnings.begin(), words.warnings.end(),
-                       [](const std::string& w) { return w.find("is not as its fit assumes") != std::string::npos; });
+                       [](const std::string& w) { return w.find("is not as the fit assumes") != std::string::npos; });
   };
   EXPECT_FALSE(warns());
   result.memory->holds = false;
