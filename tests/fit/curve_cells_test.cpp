@@ -194,7 +194,7 @@ TEST_P(CurveCells, OfOneLawHoldTheTruthInIntervalsNotMuchWiderThanNeeded) {
     if (cell.law != GetParam()) continue;
     // what is broken is seen in two cells, one of a law that is simple and one that is not
     const bool is_one_of_two = cell.name() == "const90_d3b12" || cell.name() == "kink_d10b12";
-    const int n_tables = tables_of_a_cell(is_one_of_two ? 8 : 0, 200);
+    const int n_tables = tables_of_a_cell(is_one_of_two ? 8 : 0, 100);
     if (n_tables == 0) continue;
     const CellScore score = score_of(cell, n_tables);
     print(cell, score);

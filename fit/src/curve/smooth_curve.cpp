@@ -185,9 +185,9 @@ SmoothCurve::Linear SmoothCurve::linear(const Gram& gram, std::size_t base) cons
   return linear;
 }
 
-SmoothCurve::Solution SmoothCurve::solve(const Linear& linear, const Slopes::Place& place) const {
+SmoothCurve::Solution SmoothCurve::solve(const Linear& linear, const Slopes::Place& place, Eigen::Index first) const {
   Eigen::MatrixXd precision = linear.precision;
-  const double ln_det = slopes_.add_precision(place, lost_, precision, 1);
+  const double ln_det = slopes_.add_precision(place, lost_, precision, first);
   Solution solution;
   solution.root.compute(precision);
   solution.half = solution.root.matrixL().solve(linear.right);
@@ -217,24 +217,21 @@ LikelyNoise SmoothCurve::first_noise(double step, double ln_s) const {
       [&](const Noise& noise) { return ln_evidence(gram(some_, noise), kConstant, Slopes::few_places()); });
 }
 
-namespace {
-
-template <class Solve>
-auto best_of(const std::vector<Slopes::Place>& places, Solve solve) {
-  auto best = solve(places.front());
-  for (const Slopes::Place& place : places)
-    if (auto one = solve(place); one.ln_evidence > best.ln_evidence) best = std::move(one);
-  return best;
+/// The unknowns of the likeliest place about a constant.
+std::pair<SmoothCurve::Solution, Eigen::VectorXd> SmoothCurve::likeliest(const Noise& noise) const {
+  const Linear of = linear(gram(some_, noise), kConstant);
+  Solution best;
+  best.ln_evidence = -HUGE_VAL;
+  for (const Slopes::Place& place : Slopes::places())
+    if (Solution one = solve(of, place); one.ln_evidence > best.ln_evidence) best = std::move(one);
+  Eigen::VectorXd unknowns = best.root.matrixU().solve(best.half);
+  return {std::move(best), std::move(unknowns)};
 }
-
-}  // namespace
 
 /// Variances of what are probably outliers, given the curve with all of them, and the curve's slope. @return whether
 /// that changed much
 bool SmoothCurve::take_outliers_in(const Noise& noise) {
-  const Linear of = linear(gram(some_, noise), kConstant);
-  const Solution best = best_of(Slopes::places(), [&](const Slopes::Place& place) { return solve(of, place); });
-  const Eigen::VectorXd unknowns = best.root.matrixU().solve(best.half);
+  const auto [best, unknowns] = likeliest(noise);
   const PlateSamples& s = all_.samples;
   const auto n_bases = static_cast<Eigen::Index>(bases().size());
   bool changed = false;
@@ -248,9 +245,10 @@ bool SmoothCurve::take_outliers_in(const Noise& noise) {
       const double variance = factor * factor * size2 + other;
       return std::max(1e-300, exp(-0.5 * residual * residual / variance) / std::sqrt(variance));
     };
-    // scatter may be exponential on one side: a normal alone would call its tail outliers and shift the mean
+    // one ball in fifty may scatter exponentially on one side: a normal alone would call its tail outliers and shift the
+    // mean
     const double sd = std::sqrt(size2 + other);
-    const double own = 0.5 * density(1.0) + 0.5 * std::sqrt(kPi / 2.0) * exp(-std::abs(residual) / sd) / sd;
+    const double own = 0.98 * density(1.0) + 0.02 * std::sqrt(kPi / 2.0) * exp(-std::abs(residual) / sd) / sd;
     double total = (1.0 - kShareOfOutliers) * std::max(own, 1e-300), inverse = total;
     for (const double size : kSizesOfOutliers) {
       const double weight = kShareOfOutliers / std::size(kSizesOfOutliers) * density(size);
@@ -266,9 +264,7 @@ bool SmoothCurve::take_outliers_in(const Noise& noise) {
 }
 
 Deviation SmoothCurve::found_deviation(const Noise& noise) const {
-  const Linear of = linear(gram(some_, noise), kConstant);
-  const Solution best = best_of(Slopes::places(), [&](const Slopes::Place& place) { return solve(of, place); });
-  const Eigen::VectorXd unknowns = best.root.matrixU().solve(best.half);
+  const Eigen::VectorXd unknowns = likeliest(noise).second;
   Deviation found;
   Eigen::Index k = 1 + Slopes::kKnots;
   if (known_.has_drag) found.ln_kappa = unknowns[k++];
@@ -625,16 +621,6 @@ LawBeside SmoothCurve::beside(const LawModel& law, const Eigen::VectorXd& q,
     return of.constant + 0.5 * Eigen::VectorXd(root.matrixL().solve(of.right)).squaredNorm() -
            root.matrixLLT().diagonal().array().log().sum();
   };
-  const auto solve_with = [&](const Gram& gram, const Slopes::Place& place) {
-    Linear of = equations(gram, with);
-    const double ln_det = slopes_.add_precision(place, lost_, of.precision, n_law);
-    Solution solution;
-    solution.root.compute(of.precision);
-    solution.half = solution.root.matrixL().solve(of.right);
-    solution.ln_evidence = of.constant + place.ln_prior + 0.5 * solution.half.squaredNorm() + 0.5 * ln_det -
-                           solution.root.matrixLLT().diagonal().array().log().sum();
-    return solution;
-  };
   const auto gram_by = [&](const Part& part, const Eigen::MatrixXd& columns, const Noise& noise) {
     return gram_of(part.samples, slopes_.anchor(), part.inflation, columns, noise);
   };
@@ -645,8 +631,9 @@ LawBeside SmoothCurve::beside(const LawModel& law, const Eigen::VectorXd& q,
   for (const LikelyNoise& likely : noises_) {
     const Gram gram = gram_by(all_, all, likely.noise);
     const double prior = log(likely.ln_s_sd) + likely.noise.ln_prior + ln_prior_of_s(likely.noise.ln_s);
+    const Linear of = equations(gram, with);
     for (const Slopes::Place& place : Slopes::places()) {
-      Solution one = solve_with(gram, place);
+      Solution one = solve(of, place, n_law);
       ln_with.push_back(prior + one.ln_evidence);
       if (ln_with.back() > best.ln_evidence) best = std::move(one), best.ln_evidence = ln_with.back();
     }

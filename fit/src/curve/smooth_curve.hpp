@@ -66,7 +66,9 @@ class SmoothCurve {
   std::vector<Eigen::Index> unknowns_of(std::size_t base) const;
   Eigen::Index residual_of(std::size_t base) const;
   Linear linear(const Gram& gram, std::size_t base) const;
-  Solution solve(const Linear& linear, const Slopes::Place& place) const;
+  /// @param first  column of the slopes
+  Solution solve(const Linear& linear, const Slopes::Place& place, Eigen::Index first = 1) const;
+  std::pair<Solution, Eigen::VectorXd> likeliest(const Noise& noise) const;
   double ln_evidence(const Gram& gram, std::size_t base, const std::vector<Slopes::Place>& places) const;
   LikelyNoise first_noise(double step, double ln_s) const;
   LikelyNoise of_all(const LikelyNoise& of_some, const std::function<double(const Noise&)>& evidence) const;
