@@ -245,8 +245,8 @@ bool SmoothCurve::take_outliers_in(const Noise& noise) {
       const double variance = factor * factor * size2 + other;
       return std::max(1e-300, exp(-0.5 * residual * residual / variance) / std::sqrt(variance));
     };
-    // one ball in fifty may scatter exponentially on one side: a normal alone would call its tail outliers and shift the
-    // mean
+    // one ball in fifty may scatter exponentially on one side: a normal alone would call its tail outliers and shift
+    // the mean
     const double sd = std::sqrt(size2 + other);
     const double own = 0.98 * density(1.0) + 0.02 * std::sqrt(kPi / 2.0) * exp(-std::abs(residual) / sd) / sd;
     double total = (1.0 - kShareOfOutliers) * std::max(own, 1e-300), inverse = total;
