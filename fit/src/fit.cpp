@@ -3,7 +3,6 @@
 
 #include <cmath>
 
-#include "averaged/averaged_curve.hpp"
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/text.hpp"
 #include "bouncelab/fit/usable_samples.hpp"
@@ -173,29 +172,17 @@ FitResult fit_on_these_threads(const RestitutionSamples& samples, const FitConfi
   FitResult result;
   LeftOut left_out;
   const PartOfSamples part = usable_samples(samples, left_out);
-  AirAndContact known = air_and_contact_of(*part);
   LawFitConfig main = config.law;
+  AirAndContact known;
+  known.has_drag = known.has_contact = false;
   Deviation deviation;
   std::optional<SmoothCurve> curve;
-  const bool was_open = known.is_open();
   if (!part->empty()) {
-    if (known.ball || !known.is_open()) {
-      curve.emplace(*part, known, config.law.node_speeds_mps);
-      result.curve = curve->curve();
-    } else {
-      DeviationEstimate estimate;
-      LawFitConfig first = main;
-      first.intervals = IntervalMethod::covariance;
-      const LawFit at_first = fit_law(at_the_plate(*part, known, {}), first);
-      for (const NodeEstimate& node : at_first.nodes)
-        if (main.node_speeds_mps.empty()) first.node_speeds_mps.push_back(node.v_mps);
-      result.curve =
-          averaged_curve(*PartOfSamples(*part, at_first.outliers), known, config.law, first.node_speeds_mps, estimate);
-      known = estimate.is_ideal ? worlds_of(known).back() : as_found(known, estimate.mean, estimate.sd);
-      curve.emplace(*part, known, config.law.node_speeds_mps);
-    }
+    curve.emplace(*part, places_of(*part), config.law.node_speeds_mps);
+    result.curve = curve->curve();
+    known = curve->known();
     deviation = curve->deviation();
-    if (main.node_speeds_mps.empty() && result.curve && result.curve->nodes.size() > 1)
+    if (main.node_speeds_mps.empty() && result.curve->nodes.size() > 1)
       for (const NodeEstimate& node : result.curve->nodes) main.node_speeds_mps.push_back(node.v_mps);
   }
   const RestitutionSamples moved = known.is_open() ? at_the_plate(*part, known, deviation) : RestitutionSamples{};
@@ -226,7 +213,8 @@ FitResult fit_on_these_threads(const RestitutionSamples& samples, const FitConfi
   result.law_viscoelastic = other(LawKind::viscoelastic, config.law.method);
   step();
   result.histograms = fit_histograms(kept, config.histograms, result.law);
-  result.density = density_picture(used);
+  // as the intervals give them where nobody knows what the air did to them
+  result.density = density_picture(known.is_named ? used : *part);
   BudgetConfig budget = budget_config_of(*part, config.budget);
   if (known.has_drag && budget.drag == Effect::present) budget.drag = Effect::corrected;
   if (known.has_contact && budget.contact_time == Effect::present) budget.contact_time = Effect::corrected;
@@ -245,7 +233,6 @@ FitResult fit_on_these_threads(const RestitutionSamples& samples, const FitConfi
   }
   result.constants = constants_of(result);
   if (result.curve) {
-    if (!known.ball && was_open) to_mean_square(*result.curve, result.law, curve->curve().scatter);
     result.curve->peak = peaks_of(*result.curve, result.law);
     const double v_mps = config.dem_speed_mps.value_or(result.curve->nodes[result.curve->nodes.size() / 2].v_mps);
     const SampleConditions& conditions = used.front().conditions;

@@ -69,7 +69,7 @@ function causesBox(causes) {
 }
 
 function lawCaption() {
-  return (few ? 'Points: bounces, without what air and contact did to their intervals, with the error that timing alone gives them.' : 'Colour: number of bounces in each cell, on a logarithmic scale.') +
+  return (few ? (samples.of_intervals ? 'Points: bounces, as their intervals have them, with the error that timing alone gives them; line and band have the air and the contacts taken out, as far as they are known of a ball without a name.' : 'Points: bounces, without what air and contact did to their intervals, with the error that timing alone gives them.') : 'Colour: number of bounces in each cell, on a logarithmic scale.') +
       (answerCurve(fit).length ? ' Line and band: ε(v), the root mean square of the bounces at each speed, with its 95 % range.' : '') +
       (summary && summary.truth_curve ? ' Dashes: the law that went in, at the point of contact; the most frequent ε follows it.' : '');
 }

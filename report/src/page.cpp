@@ -67,13 +67,14 @@ std::string samples_json(RestitutionSamples samples, const std::string& fit_json
   };
   if (fit.is_object() && fit.contains("curve") && !fit["curve"].is_null())
     samples = fit::at_the_plate(std::move(samples), found("kappa_per_m"), found("contact_s"));
+  const bool of_intervals = !samples.empty() && !samples.front().conditions.ball && found("kappa_per_m");
   Values v_mps, eps, sigma_eps;
   for (const RestitutionSample& sample : samples) {
     v_mps.emplace_back(sample.v_mps);
     eps.emplace_back(sample.eps);
     sigma_eps.emplace_back(value_of(sample.sigma_eps));
   }
-  return json_text(Object{{"v_mps", v_mps}, {"eps", eps}, {"sigma_eps", sigma_eps}});
+  return json_text(Object{{"v_mps", v_mps}, {"eps", eps}, {"sigma_eps", sigma_eps}, {"of_intervals", of_intervals}});
 }
 
 std::string render(const ReportInput& input) {

@@ -51,20 +51,10 @@ void warn_of_few_drops(const DropCount& drops, std::vector<std::string>& warning
 }
 
 /// Drops that differ by more than single bounces do, and visibly: something is another from drop to drop.
-void warn_of_drops_that_differ(const FitResult& result, const RestitutionSamples& used,
-                               std::vector<std::string>& warnings) {
+void warn_of_drops_that_differ(const FitResult& result, std::vector<std::string>& warnings) {
   constexpr double kOfLost = 0.05;
-  if (!result.is_one_ball || !result.curve) return;
+  if (!result.is_one_ball || !result.curve || !result.curve->scatter_of_drops) return;
   const Curve& curve = *result.curve;
-  if (!curve.scatter_of_drops) {  // of a ball that is not named, whose curve takes bounces as independent
-    if (result.law.drops.errors == ErrorBasis::by_drop) return;
-    if (const auto differ = difference_of_drops(used))
-      warnings.push_back(
-          formatted("the %zu drops differ by more (%.2g in ε) than bounces of one do (%.2g), so that the "
-                    "interval is too narrow: let it fall %zu times or more",
-                    differ->n_drops, differ->sd_between, differ->sd_within, kFewestDrops));
-    return;
-  }
   const double differ = *curve.scatter_of_drops, eps = curve.nodes[curve.nodes.size() / 2].eps.value;
   if (differ < curve.scatter || differ < kOfLost * (1.0 - eps)) return;
   warnings.push_back(formatted(
@@ -232,7 +222,7 @@ void warn(const FitResult& result, const RestitutionSamples& samples, FitInWords
   if (disagree(result.recordings)) first.push_back(in_words(result.recordings));
   if (result.kinds_of_drops && result.is_one_ball) first.push_back(in_words(*result.kinds_of_drops));
   warn_of_all_samples(used, left_out, first);
-  warn_of_drops_that_differ(result, used, first);
+  warn_of_drops_that_differ(result, first);
   // why there are no constants is a detail where eps is known all the same
   const Constants& constants = result.constants;
   const bool no_law = !constants.message.empty() && constants.status != FitStatus::not_identifiable;

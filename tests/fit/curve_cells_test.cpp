@@ -37,7 +37,7 @@ constexpr double kReach95 = 1.959963984540054;
 std::vector<NodeEstimate> stated_nodes(const RestitutionSamples& samples) {
   LeftOut left_out;
   const PartOfSamples used = usable_samples(samples, left_out);
-  return SmoothCurve(*used, air_and_contact_of(*used), {}).curve().nodes;
+  return SmoothCurve(*used, places_of(*used), {}).curve().nodes;
 }
 
 /// How many tables a cell has; BOUNCELAB_STATISTICS=N above 1: N.

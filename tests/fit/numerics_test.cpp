@@ -4,7 +4,6 @@
 #include <Eigen/LU>
 #include <cmath>
 
-#include "averaged/student_sum.hpp"
 #include "memory/posterior.hpp"
 #include "numerics/distributions.hpp"
 #include "numerics/linalg.hpp"
@@ -31,19 +30,6 @@ TEST(Distributions, HaveTheirLimits) {
   EXPECT_EQ(chi2_survival(1e9, 3.0), 0.0);
   EXPECT_EQ(f_survival(0.0, 3.0, 5.0), 1.0);
   EXPECT_EQ(f_survival(HUGE_VAL, 3.0, 5.0), 0.0);
-}
-
-TEST(Distributions, OfASumOfStudentsAreItsMedianAndQuantiles) {
-  // tables: t of five degrees of freedom is below 2.570582 in 97.5 %; straight between steps of .006
-  const Student five(5.0);
-  const Estimate one = estimate_of({{1.0, 0.9, 1e-3, &five}});
-  EXPECT_NEAR(one.value, 0.9, 1e-9);
-  EXPECT_NEAR((one.ci95->hi - 0.9) / 1e-3, 2.570582, 1e-4);
-  EXPECT_NEAR((one.ci95->lo - 0.9) / 1e-3, -2.570582, 1e-4);
-  // far apart, each end is in one of the two: 2.5 % of the whole are 5 % of its half, beyond 2.015048
-  const Estimate two = estimate_of({{0.5, 0.8, 1e-3, &five}, {0.5, 0.9, 1e-3, &five}});
-  EXPECT_NEAR((two.ci95->lo - 0.8) / 1e-3, -2.015048, 1e-4);
-  EXPECT_NEAR((two.ci95->hi - 0.9) / 1e-3, 2.015048, 1e-4);
 }
 
 TEST(Decompositions, GiveBackTheMatrix) {

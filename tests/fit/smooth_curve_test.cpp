@@ -41,7 +41,7 @@ RestitutionSamples drops_by(const std::function<double(int, double)>& eps, int n
 SmoothCurve smooth(const RestitutionSamples& samples) {
   AirAndContact none;
   none.has_drag = none.has_contact = false;
-  return {samples, none, {}};
+  return {samples, {none}, {}};
 }
 
 FitResult fitted_by(const RestitutionSamples& samples, LawKind kind) {

@@ -95,7 +95,8 @@ Gram gram_of(const PlateSamples& samples, double x_middle, const Eigen::VectorXd
       }
     }
   });
-  Gram sum{Eigen::MatrixXd::Zero(n_columns, n_columns), 0.0};
+  Gram sum{Eigen::MatrixXd::Zero(n_columns, n_columns), 0.0, samples.ln_jacobian.sum(),
+           samples.ln_jacobian_slopes.colwise().sum().transpose()};
   for (const Gram& part : parts) sum.of += part.of, sum.ln_det += part.ln_det;
   sum.of.triangularView<Eigen::StrictlyUpper>() = sum.of.transpose();
   return sum;

@@ -29,6 +29,8 @@ struct LikelyNoise {
 struct Gram {
   Eigen::MatrixXd of;
   double ln_det = 0.0;
+  double ln_jacobian = 0.0;            ///< of all these samples
+  Eigen::VectorXd ln_jacobian_slopes;  ///< by the deviations
 };
 /// @param inflation  a row each: of the variance of one bounce, 1 but of outliers
 /// @param x_middle   ln v_m

@@ -64,7 +64,7 @@ PlateSamples plate_samples(const RestitutionSamples& samples, const AirAndContac
   all.x.resize(n), all.eps.resize(n), all.impact.resize(n);
   all.dx.resize(n, n_open), all.deps.resize(n, n_open);
   all.timing = Eigen::MatrixXd::Zero(n, 3);
-  all.ln_jacobian_slopes = Eigen::VectorXd::Zero(n_open);
+  all.ln_jacobian.resize(n), all.ln_jacobian_slopes.resize(n, n_open);
   constexpr double kStep = 0.02;  // in ln: derivatives of a smooth transformation
   const OneAirAndContact here(known, at);
   std::vector<std::pair<OneAirAndContact, OneAirAndContact>> beside;
@@ -88,13 +88,13 @@ PlateSamples plate_samples(const RestitutionSamples& samples, const AirAndContac
       const AtThePlate plate = moved(here);
       all.x[row] = log(plate.v_mps);
       all.impact[row] = static_cast<double>(s.impact);
-      all.ln_jacobian += log(plate.stretch);
+      all.ln_jacobian[row] = log(plate.stretch);
       for (std::size_t j = 0; j < beside.size(); ++j) {
         const auto column = static_cast<Eigen::Index>(j);
         const AtThePlate up = moved(beside[j].first), down = moved(beside[j].second);
         all.dx(row, column) = log(up.v_mps / down.v_mps) / (2.0 * kStep);
         all.deps(row, column) = (up.eps - down.eps) / (2.0 * kStep);
-        all.ln_jacobian_slopes[column] += log(up.stretch / down.stretch) / (2.0 * kStep);
+        all.ln_jacobian_slopes(row, column) = log(up.stretch / down.stretch) / (2.0 * kStep);
       }
       const OfOnsets of = of_onsets(s, known.gravity_mps2);
       // a ratio of two noisy intervals is too large on average, to second order
@@ -140,6 +140,8 @@ PlateSamples part_of(const PlateSamples& samples, const std::vector<Eigen::Index
   part.x = samples.x(rows), part.eps = samples.eps(rows), part.impact = samples.impact(rows);
   part.dx = samples.dx(rows, Eigen::all), part.deps = samples.deps(rows, Eigen::all);
   part.timing = samples.timing(rows, Eigen::all);
+  part.ln_jacobian = samples.ln_jacobian(rows);
+  part.ln_jacobian_slopes = samples.ln_jacobian_slopes(rows, Eigen::all);
   part.pieces.clear();
   Eigen::Index row = 0;
   for (const PlateSamples::Piece& piece : samples.pieces)

@@ -26,8 +26,8 @@ struct PlateSamples {
   Eigen::VectorXd impact;    ///< its number within the drop
   /// Variance of eps by the times, covariance with the next row of the piece, with the one after that.
   Eigen::MatrixXd timing;
-  double ln_jacobian = 0.0;            ///< sum of ln d eps / d (T'/T): density of eps to that of the intervals
-  Eigen::VectorXd ln_jacobian_slopes;  ///< by the deviations
+  Eigen::VectorXd ln_jacobian;         ///< ln d eps / d (T'/T): density of eps to that of the intervals
+  Eigen::MatrixXd ln_jacobian_slopes;  ///< by the deviations
 
   Eigen::Index size() const { return x.size(); }
 };

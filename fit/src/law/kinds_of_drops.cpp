@@ -10,7 +10,6 @@
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/numerics.hpp"
 #include "bouncelab/fit/recordings.hpp"
-#include "numerics/distributions.hpp"
 
 namespace bouncelab::fit {
 namespace {
@@ -127,43 +126,6 @@ std::optional<KindsOfDrops> two_kinds_of_drops(const RestitutionSamples& samples
   const double apart = kinds.eps_upper - kinds.eps_lower;
   if (apart < std::max(kFarApart * scatter.sd, kBeyondCurvature * (1.0 - kinds.eps_lower))) return {};
   return kinds;
-}
-
-std::optional<DifferenceOfDrops> difference_of_drops(const RestitutionSamples& samples) {
-  constexpr std::size_t kFewestToDiffer = 3;
-  constexpr double kByChance = 1e-4;  // of normal scatter; that of a rough ball has tails
-  constexpr double kOfLoss = 0.05;    // beyond the curvature of a law, where drops are from two heights
-  std::vector<Drop> drops = drops_of(samples);
-  if (drops.size() < kFewestToDiffer) return {};
-  const Scatter scatter = bring_to_one_speed(drops);
-  std::vector<double> means, eps, ln_v;
-  double n_samples = 0.0, within = 0.0;  // sum of squares about the means
-  for (const Drop& drop : drops) {
-    const auto n = static_cast<double>(drop.eps.size());
-    double mean = 0.0;
-    for (std::size_t k = 0; k < drop.eps.size(); ++k) mean += (drop.eps[k] - scatter.slope * drop.ln_v[k]) / n;
-    for (std::size_t k = 0; k < drop.eps.size(); ++k)
-      within += square(drop.eps[k] - scatter.slope * drop.ln_v[k] - mean);
-    means.push_back(mean);
-    eps.push_back(median(drop.eps));
-    ln_v.push_back(drop.ln_v_median);
-    n_samples += n;
-  }
-  const auto n_drops = static_cast<double>(drops.size());
-  const auto sd_of = [&](const std::vector<double>& values) {
-    double mean = 0.0, squares = 0.0;
-    for (const double value : values) mean += value / n_drops;
-    for (const double value : values) squares += square(value - mean);
-    return std::sqrt(squares / (n_drops - 1.0));
-  };
-  const DifferenceOfDrops found{drops.size(), sd_of(means),
-                                std::max(std::sqrt(within / (n_samples - n_drops - 1.0)), timing_of(samples))};
-  // the median scatter of few bounces is less than the slope's error asks for
-  const double slope_se = scatter.slope_se * (scatter.sd > 0.0 ? found.sd_within / scatter.sd : 1.0);
-  if (found.sd_between < std::max(kFarApart * slope_se * sd_of(ln_v), kOfLoss * (1.0 - median(std::move(eps)))))
-    return {};
-  const double f = n_samples / n_drops * square(found.sd_between / found.sd_within);
-  return f_survival(f, n_drops - 1.0, n_samples - n_drops - 1.0) < kByChance ? std::optional(found) : std::nullopt;
 }
 
 std::vector<RepeatedDrop> repeated_drops(const RestitutionSamples& samples) {

@@ -120,10 +120,6 @@ const char* to_string(LawKind kind) {
       return "viscoelastic";
     case LawKind::constant:
       return "constant";
-    case LawKind::slope:
-      return "slope";
-    case LawKind::step:
-      return "step";
   }
   return "unknown";
 }

@@ -78,16 +78,12 @@ std::pair<double, double> viscoelastic_and_slope(double x) {
 }
 
 Eigen::Index LawModel::n_parameters() const {
-  if (kind == LawKind::slope) return 2;
-  if (kind == LawKind::step) return 3;
   return kind == LawKind::series ? static_cast<Eigen::Index>(orders.size()) : 1;
 }
 
 std::vector<std::string> LawModel::names() const {
   if (kind == LawKind::viscoelastic) return {"gamma"};
   if (kind == LawKind::constant) return {"eps"};
-  if (kind == LawKind::slope) return {"eps", "slope"};
-  if (kind == LawKind::step) return {"eps", "slope", "step"};
   std::vector<std::string> result;
   for (const int order : orders) result.push_back("A" + std::to_string(order));
   return result;
@@ -97,21 +93,6 @@ Eigen::MatrixXd LawModel::jacobian(std::span<const double> v_mps, const Eigen::V
   const auto n = static_cast<Eigen::Index>(v_mps.size());
   if (kind == LawKind::constant) return Eigen::MatrixXd::Ones(n, 1);
   if (kind == LawKind::series) return product(series_terms(orders, v_mps), a_of_q);
-  if (kind == LawKind::slope || kind == LawKind::step) {
-    Eigen::MatrixXd rows(n, n_parameters());
-    const auto straight_in = [this](double v) { return yields ? pow(v, -0.25) : log(v); };
-    const double first = straight_in(node_v_mps[0]), width = straight_in(node_v_mps[1]) - first;
-    for (Eigen::Index k = 0; k < n; ++k) {
-      const double v = v_mps[static_cast<std::size_t>(k)], x = (straight_in(v) - first) / width;
-      if (kind == LawKind::slope)
-        rows.row(k) << 1.0 - x, x;
-      else if (v < node_v_mps[2])
-        rows.row(k) << 1.0 - x, 0.0, x;
-      else
-        rows.row(k) << 1.0 - x, 1.0, x - 1.0;
-    }
-    return rows;
-  }
   Eigen::MatrixXd rows(n, 1);
   for (Eigen::Index k = 0; k < n; ++k)
     rows(k, 0) = viscoelastic_and_slope(exp(0.5 * q[0]) * pow(v_mps[static_cast<std::size_t>(k)], 0.1)).second;
@@ -122,7 +103,6 @@ Eigen::VectorXd LawModel::eps(std::span<const double> v_mps, const Eigen::Vector
   const auto n = static_cast<Eigen::Index>(v_mps.size());
   if (kind == LawKind::constant) return Eigen::VectorXd::Constant(n, q[0]);
   if (kind == LawKind::series) return product(series_terms(orders, v_mps), reported(q)).array() + 1.0;
-  if (kind == LawKind::slope || kind == LawKind::step) return product(jacobian(v_mps, q), q);
   const double root = exp(0.5 * q[0]);
   const std::vector<double> tenth_powers = powers_of(v_mps, 0.1);
   return Eigen::Map<const Eigen::VectorXd>(tenth_powers.data(), n).unaryExpr([&](double x) {
@@ -145,13 +125,6 @@ Eigen::MatrixXd LawModel::reported_jacobian(const Eigen::VectorXd& q) const {
 RestitutionLaw LawModel::law(const Eigen::VectorXd& q) const {
   if (kind == LawKind::viscoelastic) return ViscoelasticLaw{exp(q[0])};
   if (kind == LawKind::constant) return ConstantLaw{q[0]};
-  if (kind == LawKind::slope) return TableLaw{node_v_mps, {q[0], q[1]}};  // between its nodes, which the fit knows
-  if (kind == LawKind::step) {
-    const double just_below = node_v_mps[2] * (1.0 - 1e-9);
-    const std::vector<double> v_mps{node_v_mps[0], just_below, node_v_mps[2], node_v_mps[1]};
-    const Eigen::VectorXd at = eps(v_mps, q);
-    return TableLaw{v_mps, {at[0], at[1], at[2], at[3]}};
-  }
   SeriesLaw series;
   series.a.assign(static_cast<std::size_t>(*std::max_element(orders.begin(), orders.end())) + 1, 0.0);
   const Eigen::VectorXd a = reported(q);
@@ -194,19 +167,11 @@ std::vector<double> node_speeds(std::span<const double> v_mps) {
 LawModel make_law_model(LawKind kind, const std::vector<int>& orders, std::span<const double> v_mps) {
   LawModel model;
   model.kind = kind;
-  if (kind == LawKind::slope) model.node_v_mps = spread_speeds(v_mps, 2);
   if (kind != LawKind::series) return model;
   check_orders(orders);
   model.orders = orders;
   model.node_v_mps = spread_speeds(v_mps, orders.size());
   model.a_of_q = inverse(series_terms(orders, model.node_v_mps));
-  return model;
-}
-
-LawModel make_step_model(std::span<const double> v_mps, double step_mps) {
-  LawModel model = make_law_model(LawKind::slope, {}, v_mps);
-  model.kind = LawKind::step;
-  model.node_v_mps.push_back(step_mps);
   return model;
 }
 

@@ -25,13 +25,10 @@ inline constexpr double kOneSpeed = 1.2;
 ///   series        q_j = eps at the j-th node speed; A is linear in q
 ///   viscoelastic  q = log gamma
 ///   constant      q = eps
-///   slope         q_j = eps at either end of the speeds
-///   step          q_0, q_1 = the same on either side of the step, q_2 = eps of the slower side if it went on
 struct LawModel {
   LawKind kind = LawKind::series;
   std::vector<int> orders;
-  std::vector<double> node_v_mps;  ///< series: one per order; slope: the ends; step: the ends and where it is
-  bool yields = false;             ///< slope: straight in v^(-1/4); beforehand eps may fall as that of what yields
+  std::vector<double> node_v_mps;  ///< series: one per order
   Eigen::MatrixXd a_of_q;          ///< series: A = a_of_q (q - 1)
 
   Eigen::Index n_parameters() const;
@@ -51,9 +48,6 @@ struct LawModel {
 /// @param v_mps  speeds of the data, any order: the series' nodes are spread over them.
 /// @throws InvalidArgument where orders are repeated or have no coefficient
 LawModel make_law_model(LawKind kind, const std::vector<int>& orders, std::span<const double> v_mps);
-
-/// Straight in ln v, with one slope on both sides of a step at `step_mps`.
-LawModel make_step_model(std::span<const double> v_mps, double step_mps);
 
 /// log gamma of the viscoelastic law that has this eps at this speed. @param eps  in (0, 1)
 double log_gamma_through(double v_mps, double eps);

@@ -11,8 +11,6 @@
 namespace bouncelab::fit {
 namespace {
 
-// A ball that is not named. From steel (.009/m) to table tennis (.13/m) kappa is that of the balls people drop.
-constexpr double kKappa_per_m = 0.02, kKappaSpread = 1.1;
 // The standard curve is one of smooth spheres; balls have seams and felt.
 constexpr double kKappaSpreadOfNamed = 0.1;
 // Nothing known: from steel (30 us) to a basketball (15 ms).
@@ -25,52 +23,69 @@ constexpr double kSpeedOfDrag = 0.85;
 constexpr double kFastest_mps = 50.0;
 // Of a flight that a contact would leave nothing of.
 constexpr double kLeastFlight = 0.05;
+// Of the shortest interval: no ball rests longer than it flies.
+constexpr double kLongestContact = 1.0 / 3.0;
 
-/// One of the balls people drop, without a name.
-struct Usual {
-  double ln_kappa, kappa_sd, ln_tau, tau_sd;
-  double kappa_exponent;  ///< kappa goes as about this power of the speed: small balls' most
+/// A normal distribution as a sum of narrower ones: their means, weights and standard deviation.
+struct Part {
+  double mean = 0.0, ln_weight = 0.0, sd = 0.0;
 };
-/// Those of the catalogue that have a size, and steel, marbles and superballs of the usual ones.
-const std::vector<Usual>& usual_balls() {
-  static const std::vector<Usual> balls = [] {
-    std::vector<Usual> all;
-    // of one kind balls differ, and drag is read off a curve of smooth spheres
-    const auto add = [&](const std::string& text, double kappa_sd, double tau_sd) {
-      const Ball ball = ball_from_text(text);
-      if (const auto contact = contact_duration(ball, kGlass))
-        all.push_back({log(drag_per_m(ball, {}, 1.0)), kappa_sd, log(contact->at_1_mps_s), tau_sd,
-                       log(drag_per_m(ball, {}, 2.0) / drag_per_m(ball, {}, 0.5)) / log(4.0)});
-    };
-    for (const BallKind& kind : ball_kinds())
-      if (kind.diameter_m) add(kind.name, 0.2, 0.35);
-    for (const char* sized : {"steel:6mm", "steel:10mm", "glass:16mm", "superball:30mm"}) add(sized, 0.35, 0.5);
-    return all;
-  }();
-  return balls;
+std::vector<Part> split(double mean, double sd, double narrow) {
+  if (sd <= 1.15 * narrow) return {{mean, 0.0, sd}};
+  const double wide = std::sqrt(sd * sd - narrow * narrow);
+  const int n = static_cast<int>(std::ceil(0.75 * wide / narrow));
+  std::vector<Part> parts;
+  double sum = 0.0;
+  for (int k = -n; k <= n; ++k) {
+    const double off = 1.5 * narrow * k;
+    parts.push_back({mean + off, -0.5 * square(off / wide), narrow});
+    sum += exp(parts.back().ln_weight);
+  }
+  for (Part& part : parts) part.ln_weight -= log(sum);
+  return parts;
 }
-constexpr double kSimulated = 0.05;  // share of sounds and times with neither air nor contact
-constexpr double kAnyOther = 0.15;   // share of what is none of them
 
-double normal_density(double x, double sd) { return exp(-0.5 * square(x / sd)) / sd; }
-
-/// What may be of a ball that is not named: the density of one of the usual balls with its share, and of any other.
-/// @param visit  (density, ball), ball null of any other
-template <class Visit>
-void for_each_possible(const AirAndContact& known, Deviation deviation, Visit visit) {
-  const double ln_kappa = log(known.kappa_per_m) + deviation.ln_kappa;
-  const double ln_tau = known.has_contact ? log(known.contact.at_1_mps_s) + deviation.ln_tau : 0.0;
-  const auto of_contact = [&](double median, double sd) {
-    return known.has_contact ? normal_density(ln_tau - median, sd) : 1.0;
+/// ln tau of any ball: narrow where a contact is a share of the shortest interval, wide where it is nothing beside it.
+std::vector<Part> split_contact(double mean, double sd, double shortest_s) {
+  struct Cell {
+    double middle, sd, width;
   };
-  visit(kAnyOther * normal_density(deviation.ln_kappa, kKappaSpread) *
-            of_contact(log(kAnyContact.at_1_mps_s), kAnyContact.spread),
-        nullptr);
-  for (const Usual& one : usual_balls())
-    visit((1.0 - kAnyOther) / static_cast<double>(usual_balls().size()) *
-              normal_density(ln_kappa - one.ln_kappa, one.kappa_sd) * of_contact(one.ln_tau, one.tau_sd),
-          &one);
+  double middle = log(kLongestContact * shortest_s) - 0.2;
+  std::vector<Cell> cells;
+  for (int k = 0; k < 7; ++k, middle -= 0.4) cells.push_back({middle, 0.25, 0.4});
+  middle = cells.back().middle - 0.7;
+  for (int k = 0; k < 2; ++k, middle -= 1.0) cells.push_back({middle, 0.6, 1.0});
+  cells.push_back({cells.back().middle - 1.5, 0.9, 2.0});
+  std::vector<Part> parts;
+  for (const Cell& cell : cells) {
+    const double wide = std::sqrt(std::max(sd * sd - cell.sd * cell.sd, 0.2 * sd * sd));
+    if (std::abs(cell.middle - mean) < 2.6 * wide + 0.3)
+      parts.push_back({cell.middle, log(cell.width / (wide * std::sqrt(2.0 * kPi))) - 0.5 * square((cell.middle - mean) / wide),
+                       cell.sd});
+  }
+  return parts;
 }
+
+/// A ball that people drop, by its name to ball_from_text(), and the eps that such a one has at most on a hard floor.
+struct Usual {
+  const char* name;
+  double kappa_sd, tau_sd;  ///< of their logarithms: of one kind balls differ, drag is that of smooth spheres
+  double most_eps;
+};
+constexpr Usual kUsual[] = {{"table-tennis", 0.2, 0.35, 0.94},   {"tennis", 0.2, 0.35, 0.82},
+                            {"basketball", 0.2, 0.35, 0.88},     {"football", 0.2, 0.35, 0.88},
+                            {"volleyball", 0.2, 0.35, 0.88},     {"squash", 0.2, 0.35, 0.65},
+                            {"golf", 0.2, 0.35, 0.90},           {"superball:27mm", 0.35, 0.5, 0.94},
+                            {"superball:45mm", 0.35, 0.5, 0.94}, {"steel:6mm", 0.35, 0.5, 1.0},
+                            {"steel:10mm", 0.35, 0.5, 1.0},      {"steel:20mm", 0.35, 0.5, 1.0},
+                            {"glass:16mm", 0.35, 0.5, 1.0},      {"glass:25mm", 0.35, 0.5, 1.0},
+                            {"acrylic:20mm", 0.35, 0.5, 1.0},    {"billiard", 0.35, 0.5, 1.0}};
+constexpr double kSimulated = 0.05;  // share of sounds and times with neither air nor contact
+/// What is none of them: what air slows is hollow or foam, and soft.
+struct AnyOther {
+  double share, kappa_per_m, kappa_sd, tau_s, tau_sd, most_eps;
+};
+constexpr AnyOther kAnyOther[] = {{0.10, 0.017, 0.6, 0.5e-3, 1.7, 1.0}, {0.05, 0.12, 0.7, 1.5e-3, 1.0, 0.94}};
 
 }  // namespace
 
@@ -87,85 +102,134 @@ double median_speed_mps(const RestitutionSamples& samples) {
   return speeds_mps.empty() ? 0.0 : median(std::move(speeds_mps));
 }
 
-}  // namespace
-
-AirAndContact air_and_contact_of(const RestitutionSamples& samples) {
+/// What the samples say, without drag and contact time.
+AirAndContact conditions_of(const RestitutionSamples& samples) {
   AirAndContact known;
+  known.contact = {0.0, 0.0, 0.0};
+  known.has_drag = known.has_contact = false;
   if (samples.empty()) return known;
   const SampleConditions& said = samples.front().conditions;
   known.gravity_mps2 = said.gravity_mps2.value_or(kDefaultGravity_mps2);
-  known.ball = said.ball;
   if (said.air_kgpm3) known.air.density_kgpm3 = *said.air_kgpm3;
   // speeds without a gravity are of no intervals: measured as they are
   const bool of_intervals = said.gravity_mps2.has_value();
   known.has_drag =
       of_intervals && !said.drag_corrected && known.air.density_kgpm3 > 0.0 && median_speed_mps(samples) < kFastest_mps;
-  if (known.has_drag) {
-    known.kappa_per_m = kKappa_per_m * known.air.density_kgpm3 / Air{}.density_kgpm3;
-    known.kappa_spread = known.ball ? kKappaSpreadOfNamed : kKappaSpread;
-  }
+  known.has_contact = of_intervals && !said.contact_time_corrected;
+  return known;
+}
+
+/// A ball with what is known of its contact; the time of any ball where nothing is.
+AirAndContact with_ball(AirAndContact known, const std::string& name, const Ball& ball,
+                        const std::optional<Material>& plate) {
+  known.name = name;
+  known.ball = ball;
+  if (known.has_drag) known.kappa_spread = kKappaSpreadOfNamed;
+  if (!known.has_contact) return known;
   known.contact = kAnyContact;
-  if (said.ball) {
-    if (const auto named = contact_duration(*said.ball, said.plate)) {
-      known.contact = *named;
-    } else if (const auto on_glass = said.plate ? std::nullopt : contact_duration(*said.ball, kGlass)) {
-      known.contact = *on_glass;
-      known.contact.spread = kSpreadOverPlates;
-    }
+  if (const auto of_ball = contact_duration(ball, plate)) {
+    known.contact = *of_ball;
+  } else if (const auto on_glass = plate ? std::nullopt : contact_duration(ball, kGlass)) {
+    known.contact = *on_glass;
+    known.contact.spread = kSpreadOverPlates;
   }
-  known.has_contact = of_intervals && !said.contact_time_corrected && known.contact.at_1_mps_s > 0.0;
+  known.has_contact = known.contact.at_1_mps_s > 0.0;
   if (!known.has_contact) known.contact = {0.0, 0.0, 0.0};
   return known;
 }
 
-AirAndContact as_found(AirAndContact known, Deviation mean, Deviation sd) {
-  constexpr double kLeast = 1e-3;
-  known.kappa_per_m *= exp(mean.ln_kappa);
-  known.contact.at_1_mps_s *= exp(mean.ln_tau);
-  if (known.has_drag) known.kappa_spread = std::max(kLeast, sd.ln_kappa);
-  if (known.has_contact) known.contact.spread = std::max(kLeast, sd.ln_tau);
+/// The same in parts that are each linear in ln tau.
+void add_parts(const AirAndContact& whole, double shortest_s, std::vector<AirAndContact>& places) {
+  constexpr double kNothing = 0.03, kNarrow = 0.24, kWide = 1.0;
+  if (!whole.has_contact) return places.push_back(whole);
+  const double ln_tau = log(whole.contact.at_1_mps_s), sd = whole.contact.spread;
+  const std::vector<Part> parts = sd > kWide ? split_contact(ln_tau, sd, shortest_s)
+                                  : whole.contact.at_1_mps_s > kNothing * shortest_s
+                                      ? split(ln_tau, sd, kNarrow)
+                                      : std::vector{Part{ln_tau, 0.0, sd}};
+  for (const Part& part : parts) {
+    if (exp(part.mean) > kLongestContact * shortest_s && parts.size() > 1) continue;
+    places.push_back(whole);
+    places.back().contact.at_1_mps_s = exp(part.mean);
+    places.back().contact.spread = part.sd;
+    places.back().ln_share += part.ln_weight;
+  }
+}
+
+}  // namespace
+
+double shortest_interval_s(const RestitutionSamples& samples, double gravity_mps2) {
+  double shortest_s = HUGE_VAL;
+  for (const RestitutionSample& s : samples)
+    if (s.v_mps > 0.0 && s.eps > 0.0)
+      shortest_s = std::min(shortest_s, 2.0 * s.v_mps / gravity_mps2 * std::min(1.0, s.eps));
+  return shortest_s;
+}
+
+AirAndContact air_and_contact_of(const RestitutionSamples& samples) {
+  AirAndContact known = conditions_of(samples);
+  if (!samples.empty() && samples.front().conditions.ball)
+    return with_ball(known, to_text(*samples.front().conditions.ball), *samples.front().conditions.ball,
+                     samples.front().conditions.plate);
+  known.has_drag = known.has_contact = false;
   return known;
 }
 
-std::vector<AirAndContact> worlds_of(const AirAndContact& known) {
-  if (known.ball || !known.has_drag) return {known};
-  AirAndContact ideal;
-  ideal.gravity_mps2 = known.gravity_mps2;
-  ideal.has_drag = ideal.has_contact = false;
-  ideal.contact = {0.0, 0.0, 0.0};
-  // the density of the other, of a normal in each of its parameters, leaves out 1/sqrt(2 pi) for each
-  ideal.ln_share = log(kSimulated * (known.has_contact ? 2.0 * kPi : std::sqrt(2.0 * kPi)));
-  return {known, ideal};
-}
-
-double AirAndContact::ln_prior(Deviation deviation) const {
-  if (!is_open()) return ln_share;
-  const auto normal = [](double x, double sd) { return sd > 0.0 ? -0.5 * square(x / sd) : 0.0; };
-  if (!has_drag || ball) {
-    return normal(deviation.ln_kappa, kappa_spread) + normal(deviation.ln_tau, contact.spread);
+std::vector<AirAndContact> places_of(const RestitutionSamples& samples) {
+  const AirAndContact conditions = conditions_of(samples);
+  if (samples.empty() || !conditions.is_open()) return {conditions};
+  const SampleConditions& said = samples.front().conditions;
+  const double shortest_s = shortest_interval_s(samples, conditions.gravity_mps2);
+  std::vector<AirAndContact> places;
+  if (said.ball) {
+    const AirAndContact named = air_and_contact_of(samples);
+    constexpr double kWide = 1.0;
+    if (named.contact.spread > kWide)
+      add_parts(named, shortest_s, places);
+    else
+      places.push_back(named);
+    return places;
   }
-  double sum = 0.0;
-  for_each_possible(*this, deviation, [&](double density, const Usual*) { sum += density; });
-  return log(sum);
+  double left = 1.0 - kSimulated;
+  for (const AnyOther& other : kAnyOther) left -= other.share;
+  for (const Usual& usual : kUsual) {
+    AirAndContact place = with_ball(conditions, usual.name, ball_from_text(usual.name), said.plate);
+    place.is_named = false;
+    place.ln_share = log(left / std::size(kUsual));
+    if (place.has_drag) place.kappa_spread = usual.kappa_sd;
+    if (place.has_contact) place.contact.spread = usual.tau_sd;
+    place.most_eps = usual.most_eps;
+    add_parts(place, shortest_s, places);
+  }
+  AirAndContact simulated = conditions;
+  simulated.has_drag = simulated.has_contact = simulated.is_named = false;
+  simulated.ln_share = log(kSimulated);
+  places.push_back(simulated);
+  for (const AnyOther& other : kAnyOther)
+    for (const Part& kappa : split(log(other.kappa_per_m), other.kappa_sd, 0.55)) {
+      AirAndContact place = conditions;
+      place.is_named = false;
+      place.ln_share = log(other.share) + kappa.ln_weight;
+      if (place.has_drag) {
+        place.kappa_per_m = exp(kappa.mean) * conditions.air.density_kgpm3 / Air{}.density_kgpm3;
+        place.kappa_spread = kappa.sd;
+      }
+      if (place.has_contact) place.contact = {other.tau_s, 0.0, other.tau_sd};
+      place.most_eps = other.most_eps;
+      add_parts(place, shortest_s, places);
+    }
+  return places;
 }
 
 OneAirAndContact::OneAirAndContact(const AirAndContact& known, Deviation deviation)
-    : known_(known), kappa_factor_(exp(deviation.ln_kappa)), tau_factor_(exp(deviation.ln_tau)) {
-  if (!known.has_drag || known.ball) return;
-  double sum = 0.0;
-  for_each_possible(known, deviation, [&](double density, const Usual* ball) {
-    sum += density;
-    if (ball) kappa_exponent_ += density * ball->kappa_exponent;
-  });
-  kappa_exponent_ = sum > 0.0 ? kappa_exponent_ / sum : 0.0;
-}
+    : known_(known), kappa_factor_(exp(deviation.ln_kappa)), tau_factor_(exp(deviation.ln_tau)) {}
 
 double OneAirAndContact::kappa_per_m(double v_mps) const {
   if (!known_.has_drag) return 0.0;
   constexpr double kLeastSpeed_mps = 0.1;  // below it drag is nothing, and the power grows
   const double v = std::max(kLeastSpeed_mps, kSpeedOfDrag * v_mps);
   return kappa_factor_ *
-         (known_.ball ? drag_per_m(*known_.ball, known_.air, v) : known_.kappa_per_m * pow(v, kappa_exponent_));
+         (known_.ball ? drag_per_m(*known_.ball, known_.air, v) : known_.kappa_per_m);
 }
 
 double OneAirAndContact::contact_s(double v_mps) const {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "bouncelab/core/ball.hpp"
@@ -14,35 +15,36 @@ struct Deviation {
   double ln_kappa = 0.0, ln_tau = 0.0;
 };
 
-/// What is known beforehand of the drag on a ball and of how long it touches the plate.
+/// What is known beforehand of the drag on a ball and of how long it touches the plate: ln kappa and ln tau are normal.
 /// (docs/physics.md, section 9)
 struct AirAndContact {
+  std::string name;  ///< of the ball; empty: any other one
   double gravity_mps2 = kDefaultGravity_mps2;
-  std::optional<Ball> ball;  ///< named: drag by the standard curve, else as of the usual balls it may be
+  std::optional<Ball> ball;  ///< drag by the standard curve; absent: kappa is constant
   Air air;
-  double kappa_per_m = 0.0;   ///< median, of a ball that is not named; 0: no drag
+  double kappa_per_m = 0.0;   ///< median, of a ball without size
   double kappa_spread = 0.0;  ///< standard deviation of ln kappa, 0 where there is no drag
   ContactDuration contact;    ///< median, and the standard deviation of ln tau; 0 s: contacts are instantaneous
   bool has_drag = true, has_contact = true;
-  double ln_share = 0.0;  ///< of worlds_of(): logarithm of what counts beforehand
+  bool is_named = true;   ///< false: what may be of a ball that is not named
+  double ln_share = 0.0;  ///< logarithm of what it counts beforehand
+  double most_eps = 1.0;  ///< such a ball has about this on the hardest floor
 
   bool is_open() const { return has_drag || has_contact; }
-  /// Logarithm of the prior density of a deviation, up to a constant. Of a named ball both are normal. One that is not
-  /// named is one of the balls people drop, with ln kappa and ln tau about its own, or any other.
-  double ln_prior(Deviation deviation) const;
 };
 
 /// Its median at 1 m/s.
 double kappa_at_1_mps(const AirAndContact& known);
 
-/// Of these samples: their first one speaks for all.
+/// Of these samples: their first one speaks for all. Of a ball that is not named nothing is known.
 AirAndContact air_and_contact_of(const RestitutionSamples& samples);
 
-/// The same once samples have said where drag and contact time are: the deviations are about that.
-AirAndContact as_found(AirAndContact known, Deviation mean, Deviation sd);
+/// What may be of these samples, each narrow enough to be linear: the ball that is named; else those that people drop,
+/// one of a simulation, with neither air nor contact time, and any other, heavy or light.
+std::vector<AirAndContact> places_of(const RestitutionSamples& samples);
 
-/// What may be: the ball in air, and, where no ball is named, one of a simulation, with neither air nor contact time.
-std::vector<AirAndContact> worlds_of(const AirAndContact& known);
+/// The shortest interval between impacts that samples are made of.
+double shortest_interval_s(const RestitutionSamples& samples, double gravity_mps2);
 
 /// eps at the plate and the speed there, of what the intervals are without drag and contact: v = g T/2, eps = T'/T.
 struct AtThePlate {
@@ -50,8 +52,7 @@ struct AtThePlate {
   double stretch = 1.0;  ///< d eps / d (T'/T): of errors, and of the density of T'/T
 };
 
-/// One of the deviations. Drag of a ball that is not named depends on the speed as that of the usual balls which it may
-/// then be.
+/// One of the deviations.
 class OneAirAndContact {
  public:
   /// @param known  must outlive this
@@ -69,7 +70,6 @@ class OneAirAndContact {
 
   const AirAndContact& known_;
   double kappa_factor_, tau_factor_;
-  double kappa_exponent_ = 0.0;
 };
 
 /// The samples as they are at the plate.

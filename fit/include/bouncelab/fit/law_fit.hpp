@@ -14,9 +14,8 @@
 
 namespace bouncelab::fit {
 
-/// Which eps(v). `series`: 1 + sum C_i A_i v^(i/10) with the orders given; `viscoelastic`: one gamma, Pade form;
-/// `slope`: straight in ln v, and `step`: the same with a step, for averages over laws.
-enum class LawKind { series, viscoelastic, constant, slope, step };
+/// Which eps(v). `series`: 1 + sum C_i A_i v^(i/10) with the orders given; `viscoelastic`: one gamma, Pade form.
+enum class LawKind { series, viscoelastic, constant };
 
 /// What is assumed of the scatter about eps(v).
 enum class LawMethod {

@@ -83,18 +83,6 @@ Description members_of(const KindsOfDrops*);
 /// @param samples  finite, v > 0
 std::optional<KindsOfDrops> two_kinds_of_drops(const RestitutionSamples& samples);
 
-/// By how much drops differ, as standard deviations of eps at one speed.
-struct DifferenceOfDrops {
-  std::size_t n_drops = 0;
-  double sd_between = 0.0;  ///< of the drops' means
-  double sd_within = 0.0;   ///< of bounces about them, or what the timing makes of it
-};
-/// Where at least three drops differ by more than bounces scatter (F test of their means, one in ten thousand by
-/// chance), by more than three times what the slope with speed is not known by, and by a twentieth of 1 - eps: errors
-/// that take bounces as independent are too small then.
-/// @param samples  finite, v > 0
-std::optional<DifferenceOfDrops> difference_of_drops(const RestitutionSamples& samples);
-
 /// A drop that has the bounces of another: the same one twice, in copies of a recording or under another number.
 struct RepeatedDrop {
   std::string recording, of_recording;

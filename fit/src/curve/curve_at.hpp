@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+#include <cstddef>
+#include <functional>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "bouncelab/core/samples.hpp"
+#include "curve/noise.hpp"
+#include "curve/plate_samples.hpp"
+#include "curve/slopes.hpp"
+#include "restitution/air_and_contact.hpp"
+
+namespace bouncelab::fit {
+
+/// ln of a sum of what is given by its logarithms. @param ln  at least one
+double ln_sum(const std::vector<double>& ln);
+
+/// Normal equations of unknowns, without the precision of the slopes.
+struct LinearEquations {
+  Eigen::MatrixXd precision;
+  Eigen::VectorXd right;
+  double constant = 0.0;  ///< of ln evidence
+};
+
+struct Solution {
+  Eigen::LLT<Eigen::MatrixXd> root;  ///< of the precision
+  Eigen::VectorXd half;              ///< root^-1 right
+  double ln_evidence = 0.0;
+  Eigen::VectorXd unknowns() const { return root.matrixU().solve(half); }
+};
+
+/// The curve (SmoothCurve) with drag and contact time linear about one place: of one ball, or of one that may be it.
+class CurveAt {
+ public:
+  struct Part {  ///< samples with their columns: all, or as many as show what the noise is
+    PlateSamples samples;
+    Eigen::VectorXd inflation;
+    Eigen::MatrixXd columns;  ///< d eps / d eps_0 of each base, slopes, deviations; residuals from each base
+  };
+
+  /// @param samples      at least 1, as measured; must outlive this
+  /// @param speeds_mps   at which the curve is wanted, beside those of the samples
+  CurveAt(const RestitutionSamples& samples, AirAndContact known, std::vector<double> speeds_mps);
+
+  /// Moves to where drag and contact time are likely, with the noise that is likely there.
+  /// @param ln_s  where the scatter may be; absent: anywhere
+  /// @param hopeless  of ln evidence: a place far below it is not followed
+  void find(std::optional<double> ln_s, double hopeless);
+  /// Outliers' variances, about the curve that was found.
+  void find_outliers();
+  void take_outliers_of(const CurveAt& other);
+  const LikelyNoise& noise() const { return noise_; }
+  /// About a constant, by the likeliest noise, with the share of the place.
+  double ln_evidence() const { return noise_.ln_evidence + known_.ln_share; }
+  std::vector<LikelyNoise> likely_noises() const;
+
+  Gram gram(const Part& part, const Noise& noise) const;
+  LinearEquations linear(const Gram& gram, std::size_t base) const;
+  /// @param first  column of the slopes
+  Solution solve(const LinearEquations& linear, const Slopes::Place& place, Eigen::Index first = 1) const;
+  /// Adds to equations what is known of drag and contact time beforehand. @param first  column of the deviations
+  void add_prior_of_deviations(const Gram& gram, LinearEquations& linear, Eigen::Index first) const;
+  double ln_evidence(const Gram& gram, std::size_t base, const std::vector<Slopes::Place>& places) const;
+  /// Columns of the unknowns, and of the residuals, in those of a part.
+  std::vector<Eigen::Index> unknowns_of(std::size_t base) const;
+  Eigen::Index residual_of(std::size_t base) const;
+  std::pair<double, double> base_at(std::size_t base, double x) const;
+  /// Of all samples, where some say what the noise is like: how large it is.
+  LikelyNoise of_all(const LikelyNoise& of_some, const std::function<double(const Noise&)>& evidence) const;
+
+  const Part& all() const { return all_; }
+  const Part& some() const { return some_; }
+  const AirAndContact& known() const { return known_; }
+  const Slopes& slopes() const { return slopes_; }
+  Deviation at() const { return at_; }  ///< where drag and contact time are linear
+  double lost() const { return lost_; }  ///< about 1 - eps
+  double x_middle() const { return slopes_.anchor(); }
+  Eigen::Index n_open() const { return all_.samples.dx.cols(); }
+  Eigen::Index n_unknowns() const { return 1 + Slopes::kKnots + n_open(); }
+
+ private:
+  void prepare();
+  void set_columns();
+  void find_noise(double step, double ln_s);
+  bool take_outliers_in();
+  std::pair<Solution, Eigen::VectorXd> likeliest() const;
+
+  const RestitutionSamples* samples_;
+  AirAndContact known_;
+  std::vector<double> speeds_mps_;
+  Deviation at_;
+  Part all_, some_;
+  std::vector<Eigen::Index> some_rows_;
+  Eigen::VectorXd slope_;  ///< of the curve found so far, at all samples
+  Slopes slopes_{0.0, 1.0, 0.0};
+  double eps_0_ = 0.8, lost_ = 0.2;
+  std::vector<double> base_constants_;
+  LikelyNoise noise_;
+};
+
+}  // namespace bouncelab::fit
