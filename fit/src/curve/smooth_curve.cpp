@@ -440,7 +440,7 @@ void SmoothCurve::describe_scatter(const Sum& sum) {
 }
 
 void SmoothCurve::describe_deviation(const Sum& sum) {
-  const auto n_speeds = static_cast<Eigen::Index>(sum.x.size()), middle = static_cast<Eigen::Index>(sum.n_nodes / 2);
+  const auto middle = static_cast<Eigen::Index>(sum.n_nodes / 2);
   Eigen::VectorXd mean = Eigen::VectorXd::Zero(n_open()), with_eps = mean;
   for (const Term& term : sum.terms) mean += term.weight * term.mean.tail(n_open());
   deviation_covariance_ = Eigen::MatrixXd::Zero(n_open(), n_open());
