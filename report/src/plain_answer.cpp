@@ -195,12 +195,13 @@ std::string of_value(const PlainAnswer& answer, const Curve& curve, bool ball_is
   const SpeedAndRestitution& at = *answer.at;
   std::string text = "ε = " + with_interval(at.eps) + " at " + speed(at.v_mps);
   if (curve.n_drops == 1) text += ", of this drop";
-  std::string verb = "; it ";
+  std::string before = "; it ", said;
   for (const SpeedAndRestitution& other : answer.elsewhere) {
-    text += verb + (other.eps.value < at.eps.value ? "falls to " : "rises to ") +
+    const std::string verb = other.eps.value < at.eps.value ? "falls " : "rises ";
+    text += before + (verb == said ? "" : verb) + "to " +
             rounded(other.eps.value, std::min(decimals_for(other.eps), decimals_for(at.eps))) + " at " +
             speed(other.v_mps);
-    verb = " and ";
+    before = " and ", said = verb;
   }
   if (!answer.elsewhere.empty() || curve.points.empty() || curve.step) return text + ".";
   // a change that the bounces cannot exclude is not one that is not there

@@ -163,7 +163,7 @@ TEST(DemExport, OfEpsAboveOneOrOfNoneIsNothing) {
     EXPECT_FALSE(dem_export(curve, {}, 0.6, {}, {})) << eps;
     curve.nodes[0].eps.value = 0.9;
     curve.points = {{0.2, eps, {}}, {1.4, eps, {}}};
-    EXPECT_FALSE(dem_export(curve, {}, 0.6, {}, {})) << eps;
+    EXPECT_FALSE(dem_export(curve, {}, 0.2, {}, {})) << eps;
   }
 }
 

@@ -106,9 +106,9 @@ PlateSamples plate_samples(const RestitutionSamples& samples, const AirAndContac
         by_time.back() = {};
         all.timing(row, 0) = square(plate.stretch * s.sigma_eps.value_or(0.0));
       }
-      for (int j = -1; j <= 1; ++j) {
-        const auto& [sum, n_samples] = drop.onsets[s.impact + j];
-        by_time.back()[static_cast<std::size_t>(j + 1)] *= plate.stretch * std::sqrt(sum / n_samples);
+      for (std::int64_t j = 0; j < 3; ++j) {
+        const auto& [sum, n_samples] = drop.onsets[s.impact + j - 1];
+        by_time.back()[static_cast<std::size_t>(j)] *= plate.stretch * std::sqrt(sum / n_samples);
       }
       for (const double a : by_time.back()) all.timing(row, 0) += a * a;
       for (std::size_t back = 1; back <= 2 && back <= k; ++back) {

@@ -215,10 +215,15 @@ std::optional<DemExport> dem_export(const Curve& curve, const std::optional<Scat
                                     const std::optional<Ball>& ball, const std::optional<Material>& plate,
                                     const MemoryFit* memory) {
   CurveWithScatter fit{curve.points, scatter};
-  if (fit.points.empty()) {  // of one speed
-    const NodeEstimate& node = curve.nodes[curve.nodes.size() / 2];
+  const auto add_node = [&](const NodeEstimate& node) {
     fit.points.push_back({node.v_mps, node.eps.value, node.eps.ci95, node.eps.se});
-  }
+  };
+  if (fit.points.empty()) add_node(curve.nodes[curve.nodes.size() / 2]);  // of one speed
+  const double slowest = fit.slowest(), fastest = fit.fastest();
+  // one ε at one speed: what the answer says, not what lies between two points of the picture
+  for (const NodeEstimate& node : curve.nodes)
+    if (node.v_mps > slowest && node.v_mps < fastest && fit.nearest(node.v_mps).x != node.v_mps) add_node(node);
+  std::sort(fit.points.begin(), fit.points.end(), [](const CurvePoint& a, const CurvePoint& b) { return a.x < b.x; });
   DemExport result;
   result.v_mps = v_mps;
   result.eps = fit.rms(v_mps);
@@ -226,7 +231,6 @@ std::optional<DemExport> dem_export(const Curve& curve, const std::optional<Scat
   result.peak = result.mean - (scatter ? scatter->mean_minus_peak(v_mps) : 0.0);
   if (!(result.eps > 0.0 && result.eps <= 1.0)) return std::nullopt;
   result.se = fit.nearest(v_mps).se;
-  const double slowest = fit.slowest(), fastest = fit.fastest();
   Decks decks{dem_contact(ball, plate, v_mps), {}, v_mps};
   result.ball = decks.contact.ball;
   const std::string at =
