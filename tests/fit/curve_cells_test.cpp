@@ -203,8 +203,10 @@ TEST_P(CurveCells, OfOneLawHoldTheTruthInIntervalsNotMuchWiderThanNeeded) {
     EXPECT_GE(score.mean_coverage() * score.n_tables, test::fewest_of(score.n_tables, 0.88)) << cell.name();
     constexpr int kEnoughForAMedian = 20;  // which is then known to 10 % or so
     if (n_tables < kEnoughForAMedian || score.n_without > 0) continue;
-    // who does not know that the law bends once pays for it everywhere
-    EXPECT_LE(score.width_over_oracle(), cell.law == "kink" || cell.law == "step" ? 3.0 : 2.5) << cell.name();
+    // who does not know that the law bends once, or that it does so as a whole, pays for it everywhere: the more the
+    // better the oracle knows the rest
+    const double most = cell.law == "step" ? 3.5 : cell.law == "kink" || cell.law == "thornton1" ? 3.0 : 2.5;
+    EXPECT_LE(score.width_over_oracle(), most) << cell.name();
   }
 }
 INSTANTIATE_TEST_SUITE_P(Fit, CurveCells,

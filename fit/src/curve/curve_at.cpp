@@ -183,10 +183,9 @@ LikelyNoise CurveAt::of_all(const LikelyNoise& of_some, const std::function<doub
 }
 
 void CurveAt::find_noise(double step, double ln_s) {
-  noise_ = with_likely_s({ln_s, 0.5, 0.0, 1.0, 0.0}, step, static_cast<std::size_t>(some_.samples.size()),
-                         [&](const Noise& noise) {
-                           return ln_evidence(gram(some_, noise), kConstant, Slopes::few_places());
-                         });
+  noise_ = with_likely_s(
+      {ln_s, 0.5, 0.0, 1.0, 0.0}, step, static_cast<std::size_t>(some_.samples.size()),
+      [&](const Noise& noise) { return ln_evidence(gram(some_, noise), kConstant, Slopes::few_places()); });
 }
 
 std::vector<LikelyNoise> CurveAt::likely_noises() const {
@@ -233,10 +232,10 @@ bool CurveAt::take_outliers_in() {
       const double variance = factor * factor * size2 + other;
       return std::max(1e-300, exp(-0.5 * residual * residual / variance) / std::sqrt(variance));
     };
-    // one ball in fifty may scatter exponentially on one side: a normal alone would call its tail outliers and shift
+    // one ball in twenty may scatter exponentially on one side: a normal alone would call its tail outliers and shift
     // the mean
     const double sd = std::sqrt(size2 + other);
-    const double own = 0.98 * density(1.0) + 0.02 * std::sqrt(kPi / 2.0) * exp(-std::abs(residual) / sd) / sd;
+    const double own = 0.95 * density(1.0) + 0.05 * std::sqrt(kPi / 2.0) * exp(-std::abs(residual) / sd) / sd;
     double total = (1.0 - kShareOfOutliers) * std::max(own, 1e-300), inverse = total;
     for (const double size : kSizesOfOutliers) {
       const double weight = kShareOfOutliers / std::size(kSizesOfOutliers) * density(size);

@@ -77,7 +77,7 @@ class CurveAt {
   const Part& some() const { return some_; }
   const AirAndContact& known() const { return known_; }
   const Slopes& slopes() const { return slopes_; }
-  Deviation at() const { return at_; }  ///< where drag and contact time are linear
+  Deviation at() const { return at_; }   ///< where drag and contact time are linear
   double lost() const { return lost_; }  ///< about 1 - eps
   double x_middle() const { return slopes_.anchor(); }
   Eigen::Index n_open() const { return all_.samples.dx.cols(); }

@@ -23,7 +23,10 @@ std::vector<double> nodes_of(const Eigen::VectorXd& x) {
   std::vector<double> v_mps(x.data(), x.data() + x.size());
   exp_each(v_mps);
   const auto [slowest, fastest] = std::minmax_element(v_mps.begin(), v_mps.end());
-  return *fastest < kOneSpeed * *slowest ? std::vector{median(v_mps)} : node_speeds(v_mps);
+  if (*fastest < kOneSpeed * *slowest) return {median(v_mps)};
+  std::vector<double> nodes = node_speeds(v_mps);
+  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());  // of two samples
+  return nodes;
 }
 
 }  // namespace
@@ -34,8 +37,8 @@ struct SmoothCurve::Term {
   std::size_t base = 0, noise = 0;
   Slopes::Place place;
   double weight = -HUGE_VAL;  ///< or its logarithm
-  Eigen::VectorXd mean;  ///< of the mean of eps at each speed, then of ln kappa and ln tau at 1 m/s
-  Eigen::MatrixXd low;   ///< their covariance is low^T low
+  Eigen::VectorXd mean;       ///< of the mean of eps at each speed, then of ln kappa and ln tau at 1 m/s
+  Eigen::MatrixXd low;        ///< their covariance is low^T low
 };
 
 /// What of the sum is of one ball of the list.
@@ -133,9 +136,8 @@ SmoothCurve::Sum SmoothCurve::summed() const {
   // what is nothing at the likeliest place is nothing at the others
   constexpr double kNothing = 9.0;
   const auto matters = [&](std::size_t i, std::size_t k) { return found[i][k].weight > best - kNothing; };
-  parallel_for(found.size() - sum.noises.size(), 0, [&](std::size_t k) {
-    find(1 + k / sum.noises.size(), k % sum.noises.size(), matters);
-  });
+  parallel_for(found.size() - sum.noises.size(), 0,
+               [&](std::size_t k) { find(1 + k / sum.noises.size(), k % sum.noises.size(), matters); });
   double most = -HUGE_VAL, total = 0.0;
   for (const std::vector<Term>& some : found)
     for (const Term& term : some) {
@@ -172,7 +174,8 @@ void SmoothCurve::place_at_speeds(Sum& sum) const {
       rows.col(j).segment(1, Slopes::kKnots) = curve.slopes().row(x).transpose();
     }
     Eigen::Index row = 1 + Slopes::kKnots;
-    if (known.has_drag) offset[n_speeds] = log(kappa_at_1_mps(known)) + curve.at().ln_kappa, rows(row++, n_speeds) = 1.0;
+    if (known.has_drag)
+      offset[n_speeds] = log(kappa_at_1_mps(known)) + curve.at().ln_kappa, rows(row++, n_speeds) = 1.0;
     if (known.has_contact)
       offset[n_speeds + 1] = log(known.contact.at_1_mps_s) + curve.at().ln_tau, rows(row, n_speeds + 1) = 1.0;
     for (Term& term : sum.terms) {
@@ -188,8 +191,8 @@ void SmoothCurve::place_at_speeds(Sum& sum) const {
     double possible = 1.0;
     const auto below = [&](std::size_t j, double most, double blurred) {
       const auto column = static_cast<Eigen::Index>(j);
-      possible = std::min(possible, normal_below((most - term.mean[column]) /
-                                                 hypot(term.low.col(column).norm(), blurred)));
+      possible =
+          std::min(possible, normal_below((most - term.mean[column]) / hypot(term.low.col(column).norm(), blurred)));
     };
     for (std::size_t j = 0; j < sum.n_nodes; ++j) below(j, 1.0, 0.0);
     constexpr double kBlurred = 0.01;
@@ -282,7 +285,8 @@ void SmoothCurve::describe(const RestitutionSamples& samples) {
     return std::sqrt(square(mean) + variance(term, j));
   };
   const auto parts = [&](const Quantity& quantity, auto more) {
-    return parts_of(sum.terms, [&](const Term&) -> const Quantity& { return quantity; }, more);
+    return parts_of(
+        sum.terms, [&](const Term&) -> const Quantity& { return quantity; }, more);
   };
   const auto of_mean = [](std::size_t j) { return Quantity{{{static_cast<Eigen::Index>(j), 1.0}}, 0.0}; };
   const auto as_is = [](const Term&, NormalPart&) {};
@@ -299,9 +303,9 @@ void SmoothCurve::describe(const RestitutionSamples& samples) {
   const auto change_of = [&](std::size_t j) {
     if (j == middle) return normal_estimate(0.0, 0.0);
     const Quantity difference{{{static_cast<Eigen::Index>(j), 1.0}, {static_cast<Eigen::Index>(middle), -1.0}}, 0.0};
-    return stated(parts(difference,
-                        [&](const Term& term, NormalPart& part) { part.mean = rms(term, j) - rms(term, middle); }),
-                  sum.balls, -1.0, 1.0);
+    return stated(
+        parts(difference, [&](const Term& term, NormalPart& part) { part.mean = rms(term, j) - rms(term, middle); }),
+        sum.balls, -1.0, 1.0);
   };
   for (std::size_t j = 0; j < sum.n_nodes; ++j) {
     const double v_mps = nodes_mps_[j];
@@ -353,7 +357,8 @@ void SmoothCurve::describe_deviation(const Sum& sum) {
         weights += term.weight, m.mean += term.weight * term.mean[column], eps += term.weight * term.mean[middle];
         if (term.curve == 0) weights_of_best += term.weight, m.at_best += term.weight * term.mean[column];
       }
-    m.mean /= weights, eps /= weights, m.at_best /= weights_of_best;
+    m.mean /= weights, eps /= weights;
+    m.at_best = weights_of_best > 0.0 ? m.at_best / weights_of_best : m.mean;
     for (const Term& term : sum.terms)
       if (has(places_[term.curve].known())) {
         const double off = term.mean[column] - m.mean, weight = term.weight / weights;
@@ -372,24 +377,27 @@ void SmoothCurve::describe_deviation(const Sum& sum) {
     return e;
   };
   std::vector<double> variances;
+  /// @param deviation  at the likeliest place, where it has one
   const auto take = [&](Eigen::Index of, auto has, double ln_known, double prior_sd, std::optional<Estimate>& estimate,
-                        double& share, std::optional<double>& pull) {
+                        double& share, std::optional<double>& pull, double& deviation) {
+    if (std::none_of(sum.terms.begin(), sum.terms.end(),
+                     [&](const Term& term) { return has(places_[term.curve].known()); }))
+      return;
     const Moments m = moments(of, has);
     estimate = log_normal(m.mean, std::sqrt(m.variance));
     share = std::min(1.0, square(m.with_eps) / (m.variance * variance));
+    if (!has(best)) return;
     if (best.is_named && best.ball && m.variance < square(prior_sd))
       pull = (m.mean - ln_known) / std::sqrt(square(prior_sd) - m.variance);
     variances.push_back(m.variance + square(m.mean - m.at_best));
-    return m.at_best - ln_known;
+    deviation = m.at_best - ln_known;
   };
-  if (best.has_drag)
-    deviation_.ln_kappa = take(
-        0, [](const AirAndContact& known) { return known.has_drag; }, log(kappa_at_1_mps(best)), best.kappa_spread,
-        curve_.kappa_per_m, curve_.share_of_drag, curve_.kappa_pull);
-  if (best.has_contact)
-    deviation_.ln_tau = take(
-        1, [](const AirAndContact& known) { return known.has_contact; }, log(best.contact.at_1_mps_s),
-        best.contact.spread, curve_.contact_s, curve_.share_of_contact, curve_.contact_pull);
+  take(
+      0, [](const AirAndContact& known) { return known.has_drag; }, log(kappa_at_1_mps(best)), best.kappa_spread,
+      curve_.kappa_per_m, curve_.share_of_drag, curve_.kappa_pull, deviation_.ln_kappa);
+  take(
+      1, [](const AirAndContact& known) { return known.has_contact; }, log(best.contact.at_1_mps_s),
+      best.contact.spread, curve_.contact_s, curve_.share_of_contact, curve_.contact_pull, deviation_.ln_tau);
   deviation_covariance_ = Eigen::Map<const Eigen::VectorXd>(variances.data(), std::ssize(variances)).asDiagonal();
 }
 
@@ -480,8 +488,8 @@ void SmoothCurve::describe_heights(const Sum& sum, const FirstFlights& flights, 
     eps /= weights;
     constexpr double kStep = 0.02;
     const auto ln_height = [&](double of_first, Deviation off) {
-      return ln_release_height(
-          flights, OneAirAndContact(known, {at.ln_kappa + off.ln_kappa, at.ln_tau + off.ln_tau}), of_first);
+      return ln_release_height(flights, OneAirAndContact(known, {at.ln_kappa + off.ln_kappa, at.ln_tau + off.ln_tau}),
+                               of_first);
     };
     const auto slope = [&](Deviation step, double of_first) {
       return (ln_height(eps + of_first, step) - ln_height(eps - of_first, {-step.ln_kappa, -step.ln_tau})) /
@@ -525,8 +533,9 @@ LawBeside SmoothCurve::beside(const LawModel& law, const Eigen::VectorXd& q,
         s.eps - law.eps(v_mps, q) - to_mean;
     return columns;
   };
-  const Eigen::MatrixXd all = columns_of(curve.all()),
-                        some = curve.all().samples.size() == curve.some().samples.size() ? all : columns_of(curve.some());
+  const Eigen::MatrixXd all = columns_of(curve.all()), some = curve.all().samples.size() == curve.some().samples.size()
+                                                                  ? all
+                                                                  : columns_of(curve.some());
   const Eigen::Index n_law = q.size() + 1, n = n_law + Slopes::kKnots + n_open;
   std::vector<Eigen::Index> alone, with;
   for (Eigen::Index k = 0; k < n; ++k) {

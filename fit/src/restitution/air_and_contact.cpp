@@ -60,7 +60,8 @@ std::vector<Part> split_contact(double mean, double sd, double shortest_s) {
   for (const Cell& cell : cells) {
     const double wide = std::sqrt(std::max(sd * sd - cell.sd * cell.sd, 0.2 * sd * sd));
     if (std::abs(cell.middle - mean) < 2.6 * wide + 0.3)
-      parts.push_back({cell.middle, log(cell.width / (wide * std::sqrt(2.0 * kPi))) - 0.5 * square((cell.middle - mean) / wide),
+      parts.push_back({cell.middle,
+                       log(cell.width / (wide * std::sqrt(2.0 * kPi))) - 0.5 * square((cell.middle - mean) / wide),
                        cell.sd});
   }
   return parts;
@@ -72,14 +73,13 @@ struct Usual {
   double kappa_sd, tau_sd;  ///< of their logarithms: of one kind balls differ, drag is that of smooth spheres
   double most_eps;
 };
-constexpr Usual kUsual[] = {{"table-tennis", 0.2, 0.35, 0.94},   {"tennis", 0.2, 0.35, 0.82},
-                            {"basketball", 0.2, 0.35, 0.88},     {"football", 0.2, 0.35, 0.88},
-                            {"volleyball", 0.2, 0.35, 0.88},     {"squash", 0.2, 0.35, 0.65},
-                            {"golf", 0.2, 0.35, 0.90},           {"superball:27mm", 0.35, 0.5, 0.94},
-                            {"superball:45mm", 0.35, 0.5, 0.94}, {"steel:6mm", 0.35, 0.5, 1.0},
-                            {"steel:10mm", 0.35, 0.5, 1.0},      {"steel:20mm", 0.35, 0.5, 1.0},
-                            {"glass:16mm", 0.35, 0.5, 1.0},      {"glass:25mm", 0.35, 0.5, 1.0},
-                            {"acrylic:20mm", 0.35, 0.5, 1.0},    {"billiard", 0.35, 0.5, 1.0}};
+constexpr Usual kUsual[] = {
+    {"table-tennis", 0.2, 0.35, 0.94}, {"tennis", 0.2, 0.35, 0.82},         {"basketball", 0.2, 0.35, 0.88},
+    {"football", 0.2, 0.35, 0.88},     {"volleyball", 0.2, 0.35, 0.88},     {"squash", 0.2, 0.35, 0.65},
+    {"golf", 0.2, 0.35, 0.90},         {"superball:27mm", 0.35, 0.5, 0.94}, {"superball:45mm", 0.35, 0.5, 0.94},
+    {"steel:6mm", 0.35, 0.5, 1.0},     {"steel:10mm", 0.35, 0.5, 1.0},      {"steel:20mm", 0.35, 0.5, 1.0},
+    {"glass:16mm", 0.35, 0.5, 1.0},    {"glass:25mm", 0.35, 0.5, 1.0},      {"acrylic:20mm", 0.35, 0.5, 1.0},
+    {"billiard", 0.35, 0.5, 1.0}};
 constexpr double kSimulated = 0.05;  // share of sounds and times with neither air nor contact
 /// What is none of them: what air slows is hollow or foam, and soft.
 struct AnyOther {
@@ -228,8 +228,7 @@ double OneAirAndContact::kappa_per_m(double v_mps) const {
   if (!known_.has_drag) return 0.0;
   constexpr double kLeastSpeed_mps = 0.1;  // below it drag is nothing, and the power grows
   const double v = std::max(kLeastSpeed_mps, kSpeedOfDrag * v_mps);
-  return kappa_factor_ *
-         (known_.ball ? drag_per_m(*known_.ball, known_.air, v) : known_.kappa_per_m);
+  return kappa_factor_ * (known_.ball ? drag_per_m(*known_.ball, known_.air, v) : known_.kappa_per_m);
 }
 
 double OneAirAndContact::contact_s(double v_mps) const {

@@ -102,8 +102,8 @@ struct Restitution {
 Restitution restitution_samples(const Onsets& onsets, const RestitutionConfig& config);
 
 /// Speeds and coefficients at the plate: launch speed of a flight over landing speed of the one before, with the most
-/// likely drag and contact time of the ball that is named. Samples of none, and those whose intervals hold neither, stay
-/// as they are.
+/// likely drag and contact time of the ball that is named. Samples of none, and those whose intervals hold neither,
+/// stay as they are.
 RestitutionSamples at_the_plate(RestitutionSamples samples);
 /// The same with what a fit found (Curve). @param kappa_per_m, contact_s  absent: there is none
 RestitutionSamples at_the_plate(RestitutionSamples samples, std::optional<double> kappa_per_m,
