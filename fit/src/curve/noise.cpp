@@ -76,7 +76,8 @@ Gram gram_of(const PlateSamples& samples, double x_middle, const Eigen::VectorXd
     for (std::size_t k = part * kPiecesAtOnce; k < end; ++k) {
       const auto [begin, n] = samples.pieces[k];
       Eigen::VectorXd size(n);
-      for (Eigen::Index i = 0; i < n; ++i) size[i] = exp(noise.ln_s - noise.power * (samples.x[begin + i] - x_middle));
+      size = noise.ln_s - noise.power * (samples.x.segment(begin, n).array() - x_middle);
+      exp_each({size.data(), static_cast<std::size_t>(n)});
       Eigen::MatrixXd white(n, n_columns + 1);
       white << columns.middleRows(begin, n), noise.rho * size;
       const Eigen::VectorXd own = size.cwiseAbs2().cwiseProduct(inflation.segment(begin, n));

@@ -346,7 +346,7 @@ void SmoothCurve::describe_deviation(const Sum& sum) {
     variance += term.weight * (term.low.col(middle).squaredNorm() + square(term.mean[middle] - mean_eps));
   // ln kappa and ln tau at 1 m/s over the places that have them; where they are at the likeliest place
   struct Moments {
-    double mean = 0.0, variance = 0.0, with_eps = 0.0, at_best = 0.0;
+    double mean = 0.0, variance = 0.0, within = 0.0, with_eps = 0.0, at_best = 0.0;  ///< within: of a term alone
   };
   const auto moments = [&](Eigen::Index of, auto has) {
     const Eigen::Index column = static_cast<Eigen::Index>(sum.x.size()) + of;
@@ -362,9 +362,11 @@ void SmoothCurve::describe_deviation(const Sum& sum) {
     for (const Term& term : sum.terms)
       if (has(places_[term.curve].known())) {
         const double off = term.mean[column] - m.mean, weight = term.weight / weights;
-        m.variance += weight * (term.low.col(column).squaredNorm() + off * off);
+        m.within += weight * term.low.col(column).squaredNorm();
+        m.variance += weight * off * off;
         m.with_eps += weight * (term.low.col(column).dot(term.low.col(middle)) + off * (term.mean[middle] - eps));
       }
+    m.variance += m.within;
     return m;
   };
   const auto log_normal = [](double ln_median, double sd) {
@@ -387,8 +389,10 @@ void SmoothCurve::describe_deviation(const Sum& sum) {
     estimate = log_normal(m.mean, std::sqrt(m.variance));
     share = std::min(1.0, square(m.with_eps) / (m.variance * variance));
     if (!has(best)) return;
-    if (best.is_named && best.ball && m.variance < square(prior_sd))
-      pull = (m.mean - ln_known) / std::sqrt(square(prior_sd) - m.variance);
+    // where the samples say next to nothing of it they contradict nothing
+    constexpr double kTold = 0.05;
+    if (const double told = square(prior_sd) - m.within; best.is_named && best.ball && told > kTold * square(prior_sd))
+      pull = (m.mean - ln_known) / std::sqrt(told);
     variances.push_back(m.variance + square(m.mean - m.at_best));
     deviation = m.at_best - ln_known;
   };
