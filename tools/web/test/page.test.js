@@ -26,7 +26,7 @@ describe('the page', {skip: missing ?? false}, () => {
     const says = await choose(page, clean);
     assert.match(says, /12\.2 s of sound at 48\s000 Hz/);
     assert.equal(await countOf(page), truth.length);
-    assert.match(await page.$eval('#answer .lead', node => node.textContent), /^ε = 0\.9\d+ \(95 %: /);
+    assert.match(await page.$eval('#answer .lead', node => node.textContent), /^ε = 0\.9\d+ ± [\d.]+ \(95 %: /);
     assert.equal(await page.$$eval('#law-plot .curve, #law-plot .band', list => list.length), 2);
     assert.equal(await page.$$eval('#law-plot circle', list => list.length), truth.length - 2);
     assert.equal(await page.$$eval('#why .bars > div', list => list.length), 3, 'speed, air and roughness');
@@ -64,7 +64,7 @@ describe('the page', {skip: missing ?? false}, () => {
     writeFileSync(times, `Zeit (ms);Notiz\n${truth.map(({t_s}) => `${(1e3 * t_s).toFixed(4).replace('.', ',')};x`).join('\n')}\n`);
     const says = await choose(page, times);
     assert.match(says, /^Read as times in ms \(column 'Zeit \(ms\)', ';' between, decimal comma\): \d+ impacts in 1 drop/);
-    assert.match(await page.$eval('#answer .lead', node => node.textContent), /^ε = 0\.9\d+ \(95 %: /);
+    assert.match(await page.$eval('#answer .lead', node => node.textContent), /^ε = 0\.9\d+ ± [\d.]+ \(95 %: /);
     assert.ok(await page.$eval('#sound-section', node => node.hidden));
     assert.equal(await page.$$eval('#law-plot circle', list => list.length), truth.length - 2);
     await choose(page, clean);
