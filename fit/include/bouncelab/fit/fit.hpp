@@ -30,7 +30,7 @@ namespace bouncelab::fit {
 /// When the fit with memory is made beside the main one.
 enum class UseMemory {
   never,
-  where_long,  ///< from 5 drops of 30 impacts on average on; its tests decide whether its eps(v) is the answer
+  where_long,  ///< from 5 drops of 30 impacts on average on; its tests decide whether its constants are stated
   always
 };
 
