@@ -139,6 +139,21 @@ TEST(ContactTime, OfALongPulseIsNotDrawnToThatOfSteel) {
   EXPECT_LT(law.sigma_s, 60e-6);
 }
 
+TEST(ContactTime, OfBandsThatHoldNoiseAloneIsOfABallOrAbsent) {
+  Ball ball;
+  ball.tau_1_s = 480e-6;  // a golf ball: above 4 kHz its pulse leaves a thousandth
+  ball.largest_hz = 6e3;
+  std::size_t n_absent = 0;
+  for (std::uint64_t seed = 0; seed < 60; ++seed) {
+    ball.noise = 0.002 * static_cast<double>(1 + seed % 10);
+    const std::optional<ContactEvidence> evidence = fit_contact(levels_of(ball, seed));
+    if (!evidence) ++n_absent;
+    for (const ContactFit& fit : evidence ? std::vector{evidence->hertz, evidence->half_sine} : std::vector<ContactFit>{})
+      EXPECT_LT(fit.sigma2_s2, 50e-3 * 50e-3) << seed;
+  }
+  EXPECT_LT(n_absent, 60u);
+}
+
 TEST(ContactTime, IsAbsentWithoutImpactsOrBands) {
   BandLevels few = levels_of({}, 1);
   few.contact_scaling.resize(7);

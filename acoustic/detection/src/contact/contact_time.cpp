@@ -252,6 +252,7 @@ void update_weights(LevelModel& model) {
 
 constexpr double kStart_s = 30e-6;  // steel on glass; the result does not depend on it
 constexpr double kMinTau_s = 5e-6;  // about which the law is linearised in tau^2
+constexpr double kMaxTau_s = 50e-3;  // a basketball's is 14 ms
 constexpr int kMaxSteps = 25;
 constexpr int kFirstRounds = 4;  // of amplitudes and weights, which converge to a thousandth of an error
 constexpr int kLaterRounds = 2;  // from those of the last step
@@ -330,6 +331,8 @@ std::vector<double> log_likelihood(const LevelModel& model) {
 
 /// Gauss-Newton steps in tau_1^2.
 /// @param tau_1_s  to start from
+/// @return nothing where the bands tell less of the contact time than that it is a ball's, as where a response that
+///         noise has made negative is divided by
 std::optional<ContactFit> fit_pulse(const PulseSpectrum& pulse, double tau_1_s, LevelModel& model) {
   ContactFit fit;
   for (int step = 0; step < kMaxSteps; ++step) {
@@ -342,7 +345,7 @@ std::optional<ContactFit> fit_pulse(const PulseSpectrum& pulse, double tau_1_s, 
     const BandEstimates bands = estimates_by_band(model);
     if (bands.step.size() < kContact.fewest_bands) return std::nullopt;
     const PooledEstimate pooled = pool_bands(bands);
-    if (!std::isfinite(pooled.step) || !std::isfinite(pooled.sigma) || !(pooled.sigma > 0.0)) return std::nullopt;
+    if (!std::isfinite(pooled.step) || !(pooled.sigma > 0.0 && pooled.sigma < square(kMaxTau_s))) return std::nullopt;
     fit = {tau_1_s * tau_1_s + pooled.step, pooled.sigma, {}};
     const double next_s = std::sqrt(std::max(fit.tau2_s2, kMinTau_s * kMinTau_s));
     if (std::abs(next_s * next_s - tau_1_s * tau_1_s) < 0.02 * pooled.sigma) break;
