@@ -55,7 +55,7 @@ std::optional<TitleUnit> unit_of(const ForeignTable& table, std::size_t column) 
   if (n > 0 && n_clocks == n) return TitleUnit{Dimension::time, 1.0, "clock times", {}};
   if (const auto titled = unit_of_title(title_of(table, column))) return titled;
   for (const auto& [unit_s, words] : kSince1970)
-    if (unit_s * least > kFrom_s && unit_s * most < kTo_s) return TitleUnit{Dimension::time, unit_s, words, {}};
+    if (n > 0 && unit_s * least > kFrom_s && unit_s * most < kTo_s) return TitleUnit{Dimension::time, unit_s, words, {}};
   return std::nullopt;
 }
 
@@ -63,13 +63,66 @@ ForeignOptions told(std::string as, std::string unit, std::string columns) {
   return {std::move(as), std::move(unit), std::move(columns)};
 }
 
-/// "as intervals", "in ms": what a reading has to say beside the unit that is known.
-std::string unit_in_words(const std::optional<TitleUnit>& unit) { return unit ? unit->name : "s"; }
+constexpr std::array<std::pair<const char*, double>, 3> kTimeUnits{{{"s", 1.0}, {"ms", 1e-3}, {"us", 1e-6}}};
 
 bool are_of_a_ball(double interval_s) {
   constexpr double kSlowest_mps = 0.02, kFastest_mps = 30.0, kGravity_mps2 = 9.81;
   const double v_mps = 0.5 * kGravity_mps2 * interval_s;
   return v_mps >= kSlowest_mps && v_mps <= kFastest_mps;
+}
+
+/// Do the numbers rise from row to row, or in each drop again, for three impacts or more?
+bool rise(const Sequence& sequence) {
+  constexpr std::size_t kLeast = 3;
+  std::size_t n = 1;
+  for (std::size_t k = 1; k < sequence.values.size(); ++k) {
+    const auto &before = sequence.values[k - 1], &here = sequence.values[k];
+    const bool begins = here.part != before.part;
+    if (!begins && here.number.value >= before.number.value) {
+      ++n;
+      continue;
+    }
+    if (!begins && n < kLeast) return false;
+    n = 1;
+  }
+  return sequence.has_drops || n >= kLeast || n == sequence.values.size();
+}
+
+/// In the median, in the unit of the numbers; 0 of a single time.
+double typical_interval(const Sequence& sequence, bool intervals) {
+  std::vector<double> lengths;
+  for (std::size_t k = 0; k < sequence.values.size(); ++k) {
+    const double before = k == 0 || intervals ? 0.0 : sequence.values[k - 1].number.value;
+    if (const double length = sequence.values[k].number.value - before; length > 0.0 && (intervals || k > 0))
+      lengths.push_back(length);
+  }
+  return lengths.empty() ? 0.0 : median(std::move(lengths));
+}
+
+bool are_equal_steps(const Sequence& sequence) {
+  constexpr std::size_t kLeast = 8;
+  const auto& values = sequence.values;
+  if (values.size() < kLeast) return false;
+  const double step = values[1].number.value - values[0].number.value;
+  for (std::size_t k = 1; k < values.size(); ++k)
+    if (std::abs(values[k].number.value - values[k - 1].number.value - step) >
+        0.1 * step + 2.0 * (values[k - 1].number.rounding + values[k].number.rounding))
+      return false;
+  return step > 0.0;
+}
+
+/// What a column without a unit would be: times or intervals of a ball in s, ms or us.
+std::optional<Reading> likely_reading(const ForeignTable& table, std::size_t column) {
+  Sequence sequence;
+  for (const ForeignTable::Row& row : table.rows)
+    if (const auto number = table.number(row, column)) sequence.values.push_back({*number, row.line, 0});
+  if (unit_of(table, column) || sequence.values.size() < 3 || are_equal_steps(sequence)) return std::nullopt;
+  const bool times = rise(sequence);
+  for (const auto& [unit, unit_s] : kTimeUnits)
+    if (are_of_a_ball(unit_s * typical_interval(sequence, !times)))
+      return Reading{(times ? "times in " : "intervals in ") + std::string(unit) + " by " + column_name(table, column),
+                     told(times ? "times" : "intervals", unit, column_option(table, "t", column))};
+  return std::nullopt;
 }
 
 /// The column of times or intervals; absent: the only row is one.
@@ -98,11 +151,8 @@ std::optional<std::size_t> column_of(const ForeignTable& table, const ForeignOpt
   if (table.titles.empty() && is_row) return std::nullopt;
   if (table.n_columns() == 1 && (table.titles.empty() || options.as != "auto")) return std::size_t{0};
   readings.clear();
-  constexpr std::size_t kReadings = 3;
-  for (std::size_t k = 0; k < table.n_columns() && readings.size() < kReadings; ++k)
-    if (table.number(table.rows.front(), k) && !(unit_of(table, k)))
-      readings.push_back({"if " + column_name(table, k) + " holds times in s",
-                          told("times", "s", column_option(table, "t", k))});
+  for (std::size_t k = 0; k < table.n_columns(); ++k)
+    if (const auto reading = likely_reading(table, k)) readings.push_back(*reading);
   ask(table, name,
       measured.empty() ? "no title has a unit of time, such as Time (s)" : "no column is a time: " +
                              column_name(table, measured.front()) + " is another quantity",
@@ -127,7 +177,7 @@ Sequence sequence_of(const ForeignTable& table, const ForeignOptions& options, c
   sequence.unit = unit_of(table, column);
   auto drop = told_column(table, options, "drop", name);
   if (!drop) drop = own_column(table, "drop");
-  if (!drop) check_first_cells(table, name);
+  if (!drop && column > 0) check_first_cells(table, name);
   std::int64_t part = 0;
   std::vector<std::string> drops;
   std::optional<std::size_t> gap;  // the line of an empty cell behind a number of this part
@@ -156,43 +206,6 @@ Sequence sequence_of(const ForeignTable& table, const ForeignOptions& options, c
   return sequence;
 }
 
-/// Do the numbers rise from row to row, or in each drop again, for three impacts or more?
-bool rise(const Sequence& sequence) {
-  constexpr std::size_t kLeast = 3;
-  std::size_t n = 1;
-  for (std::size_t k = 1; k < sequence.values.size(); ++k) {
-    const auto &before = sequence.values[k - 1], &here = sequence.values[k];
-    const bool begins = here.part != before.part;
-    if (!begins && here.number.value >= before.number.value) {
-      ++n;
-      continue;
-    }
-    if (!begins && n < kLeast) return false;
-    n = 1;
-  }
-  return sequence.has_drops || n >= kLeast || n == sequence.values.size();
-}
-
-std::vector<double> steps_of(const Sequence& sequence) {
-  std::vector<double> steps;
-  for (std::size_t k = 1; k < sequence.values.size(); ++k)
-    if (const double step = sequence.values[k].number.value - sequence.values[k - 1].number.value; step > 0.0)
-      steps.push_back(step);
-  return steps;
-}
-
-bool are_equal_steps(const Sequence& sequence) {
-  constexpr std::size_t kLeast = 8;
-  const auto& values = sequence.values;
-  if (values.size() < kLeast) return false;
-  const double step = values[1].number.value - values[0].number.value;
-  for (std::size_t k = 1; k < values.size(); ++k)
-    if (std::abs(values[k].number.value - values[k - 1].number.value - step) >
-        0.1 * step + 2.0 * (values[k - 1].number.rounding + values[k].number.rounding))
-      return false;
-  return step > 0.0;
-}
-
 bool names_interval(const std::optional<TitleUnit>& unit) {
   constexpr std::array<std::string_view, 5> kNames{"dt", "\xCE\x94t", "\xE2\x88\x86t", "interval", "Interval"};
   return unit && std::find(kNames.begin(), kNames.end(), unit->quantity) != kNames.end();
@@ -207,28 +220,26 @@ bool are_intervals(const ForeignTable& table, const Sequence& sequence, const Fo
   const std::string how = sequence.column ? "the numbers of " + column_name(table, *sequence.column) : "the numbers";
   std::string question = how + (titled ? " rise, as times do, and their title says intervals"
                                        : " do not rise from row to row, as times do: intervals?");
-  const std::string unit = unit_in_words(sequence.unit);
-  ask(table, name, question,
-      {{"intervals in " + unit, told("intervals", options.unit, options.columns)},
-       {"times in " + unit, told("times", options.unit, options.columns)}});
+  std::vector<Reading> readings;
+  for (const auto& [unit, unit_s] : kTimeUnits)
+    for (const char* as : {"intervals", "times"})
+      if (sequence.unit ? unit == kTimeUnits[0].first : are_of_a_ball(unit_s * typical_interval(sequence, *as == 'i')))
+        readings.push_back({std::string(as) + " in " + (sequence.unit ? sequence.unit->name : unit),
+                            told(as, sequence.unit ? options.unit : unit, options.columns)});
+  ask(table, name, question, std::move(readings));
 }
 
 /// Seconds per unit of the numbers.
 double unit_s_of(const ForeignTable& table, Sequence& sequence, bool intervals, const ForeignOptions& options,
                  const std::string& name) {
-  constexpr std::array<std::pair<const char*, double>, 3> kUnits{{{"s", 1.0}, {"ms", 1e-3}, {"us", 1e-6}}};
-  for (const auto& [unit, unit_s] : kUnits)
+  for (const auto& [unit, unit_s] : kTimeUnits)
     if (options.unit == unit) return sequence.unit = TitleUnit{Dimension::time, unit_s, unit, {}}, unit_s;
   if (!sequence.unit) sequence.unit = TitleUnit{Dimension::time, 1.0, "s", {}};
   const double unit_s = sequence.unit->si;
-  std::vector<double> lengths;
-  for (const Sequence::Value& value : sequence.values) lengths.push_back(value.number.value);
-  if (!intervals) lengths = steps_of(sequence);
-  if (lengths.empty()) return unit_s;
-  const double typical = median(std::move(lengths));
-  if (are_of_a_ball(unit_s * typical)) return unit_s;
+  const double typical = typical_interval(sequence, intervals);
+  if (typical == 0.0 || are_of_a_ball(unit_s * typical)) return unit_s;
   std::vector<Reading> readings;
-  for (const auto& [unit, other_s] : kUnits)
+  for (const auto& [unit, other_s] : kTimeUnits)
     if (are_of_a_ball(other_s * typical))
       readings.push_back({std::string("in ") + unit, told(options.as, unit, options.columns)});
   ask(table, name,

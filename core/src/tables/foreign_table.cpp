@@ -101,9 +101,11 @@ ForeignTable read_foreign_table(std::string_view text, const std::string& name, 
   const std::vector<Line> lines = lines_of(text);
   if (lines.empty()) throw FileError(name, "is empty; a table of times or intervals, or marks are needed");
   const auto first = std::find_if(lines.begin(), lines.end(), [](const Line& line) { return holds_a_number(line.text); });
-  if (first == lines.end())
-    throw FileError(name, "line " + std::to_string(lines.front().number) + ": " + printable(lines.front().text, 60) +
+  if (first == lines.end()) {
+    const Line& below = lines[std::min<std::size_t>(1, lines.size() - 1)];  // where numbers are looked for
+    throw FileError(name, "line " + std::to_string(below.number) + ": " + printable(below.text, 60) +
                               ": no line holds numbers; a table of times or intervals, or marks are needed");
+  }
   const std::span<const Line> rows(first, lines.end());
   ForeignTable table;
   const auto cells_in = [&](std::string_view line) {
