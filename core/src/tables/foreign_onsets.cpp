@@ -99,10 +99,9 @@ double typical_interval(const Sequence& sequence, bool intervals) {
   return lengths.empty() ? 0.0 : median(std::move(lengths));
 }
 
-bool are_equal_steps(const Sequence& sequence) {
-  constexpr std::size_t kLeast = 8;
+bool are_equal_steps(const Sequence& sequence, std::size_t least) {
   const auto& values = sequence.values;
-  if (values.size() < kLeast) return false;
+  if (values.size() < least) return false;
   const double step = values[1].number.value - values[0].number.value;
   for (std::size_t k = 1; k < values.size(); ++k)
     if (std::abs(values[k].number.value - values[k - 1].number.value - step) >
@@ -116,7 +115,7 @@ std::optional<Reading> likely_reading(const ForeignTable& table, std::size_t col
   Sequence sequence;
   for (const ForeignTable::Row& row : table.rows)
     if (const auto number = table.number(row, column)) sequence.values.push_back({*number, row.line, 0});
-  if (unit_of(table, column) || sequence.values.size() < 3 || are_equal_steps(sequence)) return std::nullopt;
+  if (unit_of(table, column) || sequence.values.size() < 3 || are_equal_steps(sequence, 3)) return std::nullopt;
   const bool times = rise(sequence);
   for (const auto& [unit, unit_s] : kTimeUnits)
     if (are_of_a_ball(unit_s * typical_interval(sequence, !times)))
@@ -150,12 +149,14 @@ std::optional<std::size_t> column_of(const ForeignTable& table, const ForeignOpt
     ask(table, name, "has a time and another measured quantity: which is to be read?", std::move(readings));
   if (table.titles.empty() && is_row) return std::nullopt;
   if (table.n_columns() == 1 && (table.titles.empty() || options.as != "auto")) return std::size_t{0};
-  readings.clear();
+  if (!measured.empty())
+    ask(table, name,
+        "no column is a time: " + column_name(table, measured.front()) +
+            " is another quantity; bouncelab fit takes speeds and coefficients",
+        {});
   for (std::size_t k = 0; k < table.n_columns(); ++k)
     if (const auto reading = likely_reading(table, k)) readings.push_back(*reading);
-  ask(table, name,
-      measured.empty() ? "no title has a unit of time, such as Time (s)" : "no column is a time: " +
-                             column_name(table, measured.front()) + " is another quantity",
+  ask(table, name, table.titles.empty() ? "which column is of times or intervals?" : "no title has a unit of time, such as Time (s)",
       std::move(readings));
 }
 
@@ -357,7 +358,8 @@ TakenTable onsets_from_foreign(const ForeignTable& table, const std::string& nam
     throw FileError(name, "holds speeds and coefficients of restitution, no times; bouncelab fit takes it");
   Sequence sequence = sequence_of(table, options, name);
   if (sequence.values.empty()) throw FileError(name, "holds no times or intervals");
-  if (options.as == "auto" && are_equal_steps(sequence) && table.n_columns() > 1 && sequence.column)
+  constexpr std::size_t kFrames = 8;  // of a video
+  if (options.as == "auto" && are_equal_steps(sequence, kFrames) && table.n_columns() > 1 && sequence.column)
     ask(table, name, "has times that are equally spaced, as the frames of a video are; impact times are needed: leave "
         "the rows of the impacts only", {{"if each row is an impact", told("times", options.unit, column_option(table, "t", *sequence.column))}});
   const bool intervals = are_intervals(table, sequence, options, name);
