@@ -136,7 +136,7 @@ void state_rounding(std::span<Onset> drop, std::optional<double> rounding, int d
   const auto step_s = grid_step_s(drop, decimals < 0 ? 0.0 : std::pow(10.0, -decimals));
   if (step_s) sigma_t_s = std::max(rounding.value_or(0.0), *step_s / std::sqrt(12.0));
   for (Onset& onset : drop)
-    if (!onset.sigma_t_s) onset.sigma_t_s = sigma_t_s;
+    if (!onset.sigma_t_s) onset.sigma_t_s = sigma_t_s, onset.sigma_is_least = sigma_t_s.has_value();
 }
 
 }  // namespace

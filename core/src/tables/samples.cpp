@@ -2,8 +2,10 @@
 #include "bouncelab/core/samples.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iterator>
+#include <span>
 
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/text.hpp"
@@ -11,35 +13,53 @@
 namespace bouncelab {
 namespace {
 
-/// The words of the column `corrected`.
-struct CorrectionWord {
+/// A word of a column that joins several by '|', and the member that it sets.
+struct ConditionWord {
   const char* word;
-  bool SampleConditions::*corrected;
+  bool SampleConditions::*member;
 };
-constexpr CorrectionWord kCorrections[] = {{"drag", &SampleConditions::drag_corrected},
-                                           {"contact_time", &SampleConditions::contact_time_corrected},
-                                           {"travel_time", &SampleConditions::travel_time_corrected}};
-
-std::string corrected_text(const SampleConditions& conditions) {
-  std::string text;
-  for (const auto& [word, corrected] : kCorrections)
-    if (conditions.*corrected) text += (text.empty() ? "" : "|") + std::string(word);
-  return text;
-}
+constexpr std::array<ConditionWord, 3> kCorrections{{{"drag", &SampleConditions::drag_corrected},
+                                                     {"contact_time", &SampleConditions::contact_time_corrected},
+                                                     {"travel_time", &SampleConditions::travel_time_corrected}}};
+constexpr std::array<ConditionWord, 2> kMeasured{
+    {{"heights", &SampleConditions::of_heights}, {"digits", &SampleConditions::sigma_is_least}}};
 
 /// @throws InvalidArgument where a word is none of them
-void read_corrected(const std::string& text, SampleConditions& conditions) {
+void read_words(const std::string& text, const std::string& name, std::span<const ConditionWord> words,
+                SampleConditions& conditions) {
   for (std::size_t begin = 0; begin < text.size();) {
     const std::size_t end = std::min(text.find('|', begin), text.size());
     const std::string said = text.substr(begin, end - begin);
-    const auto* const known = std::find_if(std::begin(kCorrections), std::end(kCorrections),
-                                           [&](const CorrectionWord& one) { return said == one.word; });
-    if (known == std::end(kCorrections))
-      throw InvalidArgument("column corrected: '" + printable(said) +
-                            "' is not drag, contact_time or travel_time; join them by |");
-    conditions.*(known->corrected) = true;
+    const auto known = std::find_if(words.begin(), words.end(), [&](const ConditionWord& one) { return said == one.word; });
+    if (known == words.end()) {
+      std::string all;
+      for (const ConditionWord& one : words) all += (all.empty() ? "" : ", ") + std::string(one.word);
+      throw InvalidArgument("column " + name + ": '" + printable(said) + "' is none of " + all + "; join them by |");
+    }
+    conditions.*(known->member) = true;
     begin = end + 1;
   }
+}
+
+RowColumn<RestitutionSample> column_of_words(const std::string& name, std::span<const ConditionWord> words,
+                                             std::string text) {
+  RowColumn<RestitutionSample> made{{name, ColumnType::text, false}, std::move(text), {}};
+  made.write = [=](std::span<const RestitutionSample> rows) {
+    std::vector<std::string> cells(rows.size());
+    for (std::size_t k = 0; k < rows.size(); ++k)
+      for (const auto& [word, member] : words)
+        if (rows[k].conditions.*member) cells[k] += (cells[k].empty() ? "" : "|") + std::string(word);
+    return Column{name, std::move(cells)};
+  };
+  made.read = [=](const Table& table, std::span<RestitutionSample> rows) {
+    const std::vector<std::string>* cells = table.texts(name);
+    for (std::size_t k = 0; cells && k < rows.size(); ++k) try {
+        read_words((*cells)[k], name, words, rows[k].conditions);
+      } catch (const InvalidArgument& error) {
+        throw InvalidArgument(table.place_of(k) + ", " + error.what());
+      }
+  };
+  return made;
 }
 
 /// A column of descriptions: nearly always that of the row before, which need not be written or understood again.
@@ -72,28 +92,6 @@ RowColumn<RestitutionSample> described(const std::string& name, std::optional<Th
         throw InvalidArgument(table.place_of(k) + ": " + error.what());
       }
     }
-  };
-  return made;
-}
-
-RowColumn<RestitutionSample> corrected_column() {
-  RowColumn<RestitutionSample> made{{"corrected", ColumnType::text, false},
-                                    "What is not in the intervals, because it was taken out or there was none: `drag`, "
-                                    "`contact_time`, `travel_time`, "
-                                    "joined by `\\|`; of the others the fit takes account",
-                                    {}};
-  made.write = [](std::span<const RestitutionSample> rows) {
-    std::vector<std::string> cells;
-    for (const RestitutionSample& row : rows) cells.push_back(corrected_text(row.conditions));
-    return Column{"corrected", std::move(cells)};
-  };
-  made.read = [](const Table& table, std::span<RestitutionSample> rows) {
-    const std::vector<std::string>* cells = table.texts("corrected");
-    for (std::size_t k = 0; cells && k < rows.size(); ++k) try {
-        read_corrected((*cells)[k], rows[k].conditions);
-      } catch (const InvalidArgument& error) {
-        throw InvalidArgument(table.place_of(k) + ", " + error.what());
-      }
   };
   return made;
 }
@@ -142,7 +140,13 @@ const RowColumns<RestitutionSample>& columns_of(const RestitutionSample*) {
              "`missing_impact` or `extra_impact`: the ratio jumps as where an impact was missed or invented; "
              "`not_finite`: set on reading. Flagged samples stay in the table and out of the fit. A word that is none "
              "of these excludes a sample too; the fit warns of it"),
-      corrected_column(),
+      column_of_words("corrected", kCorrections,
+                      "What is not in the intervals, because it was taken out or there was none: `drag`, "
+                      "`contact_time`, `travel_time`, joined by `\\|`; of the others the fit takes account"),
+      column_of_words("measured", kMeasured,
+                      "`heights`: `v_mps` is √(2 g h) and `eps` √(h'/h), of the heights before and after the impact, "
+                      "else by intervals; `digits`: standard errors are of the digits alone, and the fit finds how "
+                      "much larger they are"),
       described<Ball>("ball", &SampleConditions::ball, to_text, ball_from_text,
                       "[Description](#balls-and-plates), where it was named: for its drag and contact time"),
       described<Material>("plate", &SampleConditions::plate, plate_text, plate_from_text, "Likewise"),

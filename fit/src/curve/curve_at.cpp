@@ -94,18 +94,19 @@ void CurveAt::set_columns() {
   const PlateSamples& s = all_.samples;
   const auto n_bases = static_cast<Eigen::Index>(bases().size());
   Eigen::MatrixXd& columns = all_.columns;
-  columns.resize(s.size(), 2 * n_bases + Slopes::kKnots + n_open());
+  columns.resize(s.size(), 2 * n_bases + Slopes::kKnots + n_open() + 1);
   for (Eigen::Index i = 0; i < s.size(); ++i) {
     for (Eigen::Index b = 0; b < n_bases; ++b) {
       const auto [eps, unit] = base_at(static_cast<std::size_t>(b), s.x[i]);
       columns(i, b) = unit;
-      columns(i, columns.cols() - n_bases + b) = s.eps[i] - eps;
+      columns(i, residual_of(static_cast<std::size_t>(b))) = s.eps[i] - eps;
     }
     columns.row(i).segment(n_bases, Slopes::kKnots) = slopes_.row(s.x[i]);
     // with drag or contact time another eps and another speed would have been, and the curve is another there
     for (Eigen::Index j = 0; j < n_open(); ++j)
       columns(i, n_bases + Slopes::kKnots + j) = slope_[i] * s.dx(i, j) - s.deps(i, j);
   }
+  columns.rightCols(1) = s.excess;
   some_.columns = columns(some_rows_, Eigen::all);
   some_.inflation = all_.inflation(some_rows_);
 }
@@ -126,14 +127,16 @@ std::vector<Eigen::Index> CurveAt::unknowns_of(std::size_t base) const {
 }
 
 Eigen::Index CurveAt::residual_of(std::size_t base) const {
-  return all_.columns.cols() - static_cast<Eigen::Index>(bases().size() - base);
+  return excess() - static_cast<Eigen::Index>(bases().size() - base);
 }
 
 LinearEquations CurveAt::linear(const Gram& gram, std::size_t base) const {
   const std::vector<Eigen::Index> unknowns = unknowns_of(base);
-  const Eigen::Index residual = residual_of(base);
-  LinearEquations linear{gram.of(unknowns, unknowns), gram.of(unknowns, residual),
-                         -0.5 * (gram.ln_det + gram.of(residual, residual))};
+  LinearEquations linear{gram.of(unknowns, unknowns), {}, 0.0};
+  const Eigen::VectorXd with_residual = gram.of.col(residual_of(base)) - gram.timing2 * gram.of.col(excess());
+  linear.right = with_residual(unknowns);
+  linear.constant =
+      -0.5 * (gram.ln_det + with_residual[residual_of(base)] - gram.timing2 * with_residual[excess()]);
   const double off = kEpsMiddle - eps_0_, precision = 1.0 / square(kEpsSd);
   linear.precision(0, 0) += precision;
   linear.right[0] += off * precision;
@@ -184,8 +187,20 @@ LikelyNoise CurveAt::of_all(const LikelyNoise& of_some, const std::function<doub
 
 void CurveAt::find_noise(double step, double ln_s) {
   noise_ = with_likely_s(
-      {ln_s, 0.5, 0.0, 1.0, 0.0}, step, static_cast<std::size_t>(some_.samples.size()),
+      {ln_s, 0.5, 0.0, 1.0, 0.0, timing_}, step, static_cast<std::size_t>(some_.samples.size()),
       [&](const Noise& noise) { return ln_evidence(gram(some_, noise), kConstant, Slopes::few_places()); });
+}
+
+/// Factors of standard errors of the digits: 1, and those by which the times would make a quarter to all of the scatter.
+std::vector<double> CurveAt::timings() const {
+  std::vector<double> factors{1.0};
+  if (!all_.samples.timing_is_least) return factors;
+  const Eigen::VectorXd variances = all_.samples.timing.col(0);
+  const double of_digits = std::sqrt(median(std::vector<double>(variances.data(), variances.data() + variances.size())));
+  constexpr int kLeast = -4, kMost = 3;
+  for (int k = kLeast; k <= kMost; ++k)
+    if (const double factor = pow(2.0, 0.5 * k) * exp(noise_.noise.ln_s) / of_digits; factor > 1.2) factors.push_back(factor);
+  return factors;
 }
 
 std::vector<LikelyNoise> CurveAt::likely_noises() const {
@@ -193,9 +208,15 @@ std::vector<LikelyNoise> CurveAt::likely_noises() const {
     return [&](const Noise& noise) { return ln_evidence(gram(part, noise), kConstant, Slopes::few_places()); };
   };
   std::vector<LikelyNoise> noises = fit::likely_noises(
-      noise_, all_.samples.n_drops, static_cast<std::size_t>(some_.samples.size()), evidence_of(some_));
+      noise_, timings(), all_.samples.n_drops, static_cast<std::size_t>(some_.samples.size()), evidence_of(some_));
   for (LikelyNoise& likely : noises) likely = of_all(likely, evidence_of(all_));
   return noises;
+}
+
+void CurveAt::take_timing(double factor) {
+  timing_ = factor;
+  find_noise(0.25, noise_.noise.ln_s);
+  find_outliers();
 }
 
 /// The likeliest solution about a constant, and its unknowns.
@@ -225,9 +246,10 @@ bool CurveAt::take_outliers_in() {
   for (Eigen::Index i = 0; i < s.size(); ++i) {
     Eigen::VectorXd row(n_unknowns());
     row << all_.columns(i, 0), all_.columns.row(i).segment(n_bases, Slopes::kKnots + n_open()).transpose();
-    const double residual = all_.columns(i, all_.columns.cols() - n_bases) - row.dot(unknowns);
+    const double residual =
+        all_.columns(i, residual_of(kConstant)) - square(noise.timing) * s.excess[i] - row.dot(unknowns);
     const double size2 = noise.variance(s.x[i] - slopes_.anchor());
-    const double other = s.timing(i, 0) + best.root.matrixL().solve(row).squaredNorm();
+    const double other = square(noise.timing) * s.timing(i, 0) + best.root.matrixL().solve(row).squaredNorm();
     const auto density = [&](double factor) {
       const double variance = factor * factor * size2 + other;
       return std::max(1e-300, exp(-0.5 * residual * residual / variance) / std::sqrt(variance));

@@ -40,7 +40,8 @@ class CurveAt {
   struct Part {  ///< samples with their columns: all, or as many as show what the noise is
     PlateSamples samples;
     Eigen::VectorXd inflation;
-    Eigen::MatrixXd columns;  ///< d eps / d eps_0 of each base, slopes, deviations; residuals from each base
+    /// d eps / d eps_0 of each base, slopes, deviations; residuals from each base; excess by noisy times
+    Eigen::MatrixXd columns;
   };
 
   /// @param samples      at least 1, as measured; must outlive this
@@ -54,6 +55,9 @@ class CurveAt {
   /// Outliers' variances, about the curve that was found.
   void find_outliers();
   void take_outliers_of(const CurveAt& other);
+  /// Standard errors of the times are so many times those stated: the noise and the outliers beside them.
+  void take_timing(double factor);
+  double timing() const { return timing_; }
   const LikelyNoise& noise() const { return noise_; }
   /// About a constant, by the likeliest noise, with the share of the place.
   double ln_evidence() const { return noise_.ln_evidence + known_.ln_share; }
@@ -69,6 +73,7 @@ class CurveAt {
   /// Columns of the unknowns, and of the residuals, in those of a part.
   std::vector<Eigen::Index> unknowns_of(std::size_t base) const;
   Eigen::Index residual_of(std::size_t base) const;
+  Eigen::Index excess() const { return all_.columns.cols() - 1; }
   std::pair<double, double> base_at(std::size_t base, double x) const;
   /// Of all samples, where some say what the noise is like: how large it is.
   LikelyNoise of_all(const LikelyNoise& of_some, const std::function<double(const Noise&)>& evidence) const;
@@ -88,6 +93,7 @@ class CurveAt {
   void set_columns();
   void find_noise(double step, double ln_s);
   bool take_outliers_in();
+  std::vector<double> timings() const;
   std::pair<Solution, Eigen::VectorXd> likeliest() const;
 
   const RestitutionSamples* samples_;
@@ -98,7 +104,7 @@ class CurveAt {
   std::vector<Eigen::Index> some_rows_;
   Eigen::VectorXd slope_;  ///< of the curve found so far, at all samples
   Slopes slopes_{0.0, 1.0, 0.0};
-  double eps_0_ = 0.8, lost_ = 0.2;
+  double eps_0_ = 0.8, lost_ = 0.2, timing_ = 1.0;
   std::vector<double> base_constants_;
   LikelyNoise noise_;
 };

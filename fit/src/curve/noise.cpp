@@ -25,13 +25,13 @@ Eigen::MatrixXd covariance_of(const PlateSamples& samples, const PlateSamples::P
                               const Eigen::VectorXd& size, const Noise& noise) {
   const auto [begin, n] = piece;
   Eigen::MatrixXd covariance(n, n);
-  const double rho2 = noise.rho * noise.rho, ln_phi = log(noise.phi);
+  const double rho2 = noise.rho * noise.rho, ln_phi = log(noise.phi), timing2 = noise.timing * noise.timing;
   for (Eigen::Index j = 0; j < n; ++j) {
     for (Eigen::Index i = j; i < n; ++i)
       covariance(i, j) =
           rho2 * size[i] * size[j] * exp(ln_phi * (samples.impact[begin + i] - samples.impact[begin + j]));
     covariance(j, j) += own[j];
-    for (Eigen::Index lag = 0; lag <= 2 && j + lag < n; ++lag) covariance(j + lag, j) += samples.timing(begin + j, lag);
+    for (Eigen::Index lag = 0; lag <= 2 && j + lag < n; ++lag) covariance(j + lag, j) += timing2 * samples.timing(begin + j, lag);
   }
   return covariance;
 }
@@ -44,8 +44,7 @@ double whiten(Eigen::MatrixXd covariance, Eigen::MatrixXd& columns) {
 }
 
 /// The same where only neighbouring rows share anything, by their times. @param own  variance of each row's own
-double whiten_by_timing(const Eigen::Ref<const Eigen::MatrixXd>& timing, const Eigen::VectorXd& own,
-                        Eigen::MatrixXd& columns) {
+double whiten_by_timing(const Eigen::MatrixXd& timing, const Eigen::VectorXd& own, Eigen::MatrixXd& columns) {
   double ln_det = 0.0, last = 1.0, last_of_one = 0.0, before_last = 1.0;
   for (Eigen::Index i = 0; i < own.size(); ++i) {
     const double of_two = i > 1 ? timing(i - 2, 2) / before_last : 0.0;
@@ -68,6 +67,7 @@ Gram gram_of(const PlateSamples& samples, double x_middle, const Eigen::VectorXd
              const Eigen::MatrixXd& columns, const Noise& noise) {
   const std::size_t n_parts = (samples.pieces.size() + kPiecesAtOnce - 1) / kPiecesAtOnce;
   const Eigen::Index n_columns = columns.cols();
+  const double timing2 = noise.timing * noise.timing;
   std::vector<Gram> parts(n_parts);
   parallel_for(n_parts, 0, [&](std::size_t part) {
     Gram& gram = parts[part];
@@ -86,7 +86,7 @@ Gram gram_of(const PlateSamples& samples, double x_middle, const Eigen::VectorXd
         gram.of.selfadjointView<Eigen::Lower>().rankUpdate(white.leftCols(n_columns).transpose());
         continue;
       }
-      gram.ln_det += whiten_by_timing(samples.timing.middleRows(begin, n), own, white);
+      gram.ln_det += whiten_by_timing(timing2 * samples.timing.middleRows(begin, n), own, white);
       gram.of.selfadjointView<Eigen::Lower>().rankUpdate(white.leftCols(n_columns).transpose());
       if (noise.rho > 0.0) {  // C + b b^T
         const double more = 1.0 + white.col(n_columns).squaredNorm();
@@ -96,7 +96,7 @@ Gram gram_of(const PlateSamples& samples, double x_middle, const Eigen::VectorXd
       }
     }
   });
-  Gram sum{Eigen::MatrixXd::Zero(n_columns, n_columns), 0.0, samples.ln_jacobian.sum(),
+  Gram sum{Eigen::MatrixXd::Zero(n_columns, n_columns), 0.0, timing2, samples.ln_jacobian.sum(),
            samples.ln_jacobian_slopes.colwise().sum().transpose()};
   for (const Gram& part : parts) sum.of += part.of, sum.ln_det += part.ln_det;
   sum.of.triangularView<Eigen::StrictlyUpper>() = sum.of.transpose();
@@ -133,18 +133,20 @@ LikelyNoise with_likely_s(Noise noise, double step, std::size_t n,
   return {noise, std::min(1.0, 1.0 / std::sqrt(curvature)), here + 0.5 * curvature * square(shift)};
 }
 
-std::vector<LikelyNoise> likely_noises(const LikelyNoise& first, std::size_t n_drops, std::size_t n,
+std::vector<LikelyNoise> likely_noises(const LikelyNoise& first, const std::vector<double>& timings,
+                                       std::size_t n_drops, std::size_t n,
                                        const std::function<double(const Noise&)>& evidence) {
   std::vector<LikelyNoise> all;
   double best = -HUGE_VAL;
-  const auto consider = [&](double rho, double phi, double share) {
+  const auto consider = [&](double timing, double rho, double phi, double share) {
     double best_here = -HUGE_VAL;
     for (std::size_t i = 0; i < std::size(kPowers); ++i) {
-      Noise noise{0.0, kPowers[i], rho, phi, log(share * kShareOfPower[i])};
+      Noise noise{0.0, kPowers[i], rho, phi, log(share * kShareOfPower[i]), timing};
       noise.ln_s = first.noise.ln_s - 0.5 * log(1.0 + rho * rho);
       // where more is shared less is left to single bounces: as much as the smaller share left
       for (const LikelyNoise& known : all)
-        if (known.noise.power == noise.power && known.noise.phi == phi && known.noise.rho > 0.0)
+        if (known.noise.power == noise.power && known.noise.timing == timing &&
+            (rho == 0.0 || (known.noise.phi == phi && known.noise.rho > 0.0)))
           noise.ln_s = known.noise.ln_s;
       const LikelyNoise likely = with_likely_s(noise, 0.25, n, evidence);
       all.push_back(likely);
@@ -153,14 +155,19 @@ std::vector<LikelyNoise> likely_noises(const LikelyNoise& first, std::size_t n_d
     best = std::max(best, best_here);
     return best_here;
   };
-  consider(0.0, 1.0, n_drops > 1 ? kShareWithoutShared : 1.0);
+  const double without = n_drops > 1 ? kShareWithoutShared : 1.0;
+  std::vector<std::pair<double, double>> likely_timings;  // with their evidence
+  for (std::size_t k = 0; k < timings.size(); ++k)
+    likely_timings.emplace_back(timings[k], consider(timings[k], 0.0, 1.0, without / static_cast<double>(timings.size())));
+  std::erase_if(likely_timings, [&, least = best - kLikely](const auto& one) { return one.second < least; });
   // rho beforehand: half a Cauchy distribution of scale 1, at steps of a factor 2, for as long as more may be likely
   // (Gelman, Bayesian Analysis 1, 515 (2006), doi:10.1214/06-BA117A)
-  if (n_drops > 1)
+  for (const auto& [timing, known] : likely_timings)
     for (const double phi : {1.0, 0.8})
-      for (double rho = 0.35; rho < 1e7; rho *= 2.0) {
+      for (double rho = 0.35; n_drops > 1 && rho < 1e7; rho *= 2.0) {
         const double density = 2.0 / kPi * rho / (1.0 + rho * rho) * log(2.0);
-        const double here = consider(rho, phi, 0.5 * (1.0 - kShareWithoutShared) * density);
+        const double here = consider(timing, rho, phi,
+                                     0.5 * (1.0 - kShareWithoutShared) * density / static_cast<double>(timings.size()));
         if (rho > 2.0 && here < best - kLikely) break;
       }
   std::erase_if(all, [&](const LikelyNoise& one) { return one.ln_evidence < best - kLikely; });

@@ -13,7 +13,8 @@ namespace bouncelab::fit {
 /// one drop share, rho times that, with a correlation phi from bounce to bounce (1: a loss of the drop's own).
 struct Noise {
   double ln_s = 0.0, power = 0.0, rho = 0.0, phi = 1.0;
-  double ln_prior = 0.0;  ///< of power, rho and phi
+  double ln_prior = 0.0;  ///< of power, rho, phi and timing
+  double timing = 1.0;    ///< standard errors of times and heights over those stated
   /// Of one bounce of one of many drops, without errors of its times. @param ln_ratio  ln v/v_m
   double variance(double ln_ratio) const;
 };
@@ -29,6 +30,7 @@ struct LikelyNoise {
 struct Gram {
   Eigen::MatrixXd of;
   double ln_det = 0.0;
+  double timing2 = 1.0;  ///< square of the noise's timing
   double ln_jacobian = 0.0;            ///< of all these samples
   Eigen::VectorXd ln_jacobian_slopes;  ///< by the deviations
 };
@@ -44,7 +46,9 @@ double ln_prior_of_s(double ln_s);
 LikelyNoise with_likely_s(Noise noise, double step, std::size_t n, const std::function<double(const Noise&)>& evidence);
 
 /// All noises within `kLikely` of the best: powers 0, 1/2, 1, and of several drops what they share.
-std::vector<LikelyNoise> likely_noises(const LikelyNoise& first, std::size_t n_drops, std::size_t n,
+/// @param timings  factors of standard errors that may be too small
+std::vector<LikelyNoise> likely_noises(const LikelyNoise& first, const std::vector<double>& timings,
+                                       std::size_t n_drops, std::size_t n,
                                        const std::function<double(const Noise&)>& evidence);
 
 }  // namespace bouncelab::fit

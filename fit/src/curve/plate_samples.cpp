@@ -15,8 +15,8 @@ namespace {
 
 constexpr std::size_t kLongestPiece = 128;
 
-/// d eps / d t of the onsets before, at and after an impact [1/s], eps the ratio of the intervals; and the time of
-/// each.
+/// d eps / d t of the onsets before, at and after an impact [1/s], eps the ratio of the intervals; and the variance of
+/// each. Of heights d eps / d h of those before and after it [1/m], in the place of the last two.
 struct OfOnsets {
   std::array<double, 3> by_time{};
   double sigma_t2 = 0.0;  ///< of one onset, if all three are known alike [s^2]
@@ -24,7 +24,10 @@ struct OfOnsets {
 OfOnsets of_onsets(const RestitutionSample& s, double gravity_mps2) {
   OfOnsets of;
   const double before_s = 2.0 * s.v_mps / gravity_mps2;
-  if (s.impact == 0)  // of a drop from a known height
+  const double fallen_m = 0.5 * s.v_mps * s.v_mps / gravity_mps2, risen_m = fallen_m * s.eps * s.eps;
+  if (s.conditions.of_heights)
+    of.by_time = {0.0, -0.5 * s.eps / fallen_m, 0.5 * s.eps / risen_m};
+  else if (s.impact == 0)  // of a drop from a known height
     of.by_time = {0.0, -1.0 / before_s, 1.0 / before_s};
   else
     of.by_time = {s.eps / before_s, -(1.0 + s.eps) / before_s, 1.0 / before_s};
@@ -64,6 +67,8 @@ PlateSamples plate_samples(const RestitutionSamples& samples, const AirAndContac
   all.x.resize(n), all.eps.resize(n), all.impact.resize(n);
   all.dx.resize(n, n_open), all.deps.resize(n, n_open);
   all.timing = Eigen::MatrixXd::Zero(n, 3);
+  all.excess = Eigen::VectorXd::Zero(n);
+  all.timing_is_least = n > 0 && samples.front().conditions.sigma_is_least;
   all.ln_jacobian.resize(n), all.ln_jacobian_slopes.resize(n, n_open);
   constexpr double kStep = 0.02;  // in ln: derivatives of a smooth transformation
   const OneAirAndContact here(known, at);
@@ -97,10 +102,13 @@ PlateSamples plate_samples(const RestitutionSamples& samples, const AirAndContac
         all.ln_jacobian_slopes(row, column) = log(up.stretch / down.stretch) / (2.0 * kStep);
       }
       const OfOnsets of = of_onsets(s, known.gravity_mps2);
-      // a ratio of two noisy intervals is too large on average, to second order
       const bool of_times = s.conditions.gravity_mps2.has_value();
-      const double excess = of.sigma_t2 * square(of.by_time[2]) * (1.0 + 2.0 * plate.eps);
-      all.eps[row] = plate.eps - (from_height || !of_times ? 0.0 : excess);
+      all.eps[row] = plate.eps;
+      // to second order: a ratio of two noisy intervals, or a root of one of heights, is too large on average
+      if (s.conditions.of_heights)
+        all.excess[row] = of.sigma_t2 * (1.5 * square(of.by_time[1]) - 0.5 * square(of.by_time[2])) / plate.eps;
+      else if (of_times && !from_height)
+        all.excess[row] = of.sigma_t2 * square(of.by_time[2]) * (1.0 + 2.0 * plate.eps);
       by_time.push_back(of.by_time);
       if (!of_times) {  // measured as it is, and rounded: with an error of its own
         by_time.back() = {};
@@ -137,7 +145,7 @@ std::vector<Eigen::Index> rows_of_some(const PlateSamples& samples, Eigen::Index
 
 PlateSamples part_of(const PlateSamples& samples, const std::vector<Eigen::Index>& rows) {
   PlateSamples part = samples;
-  part.x = samples.x(rows), part.eps = samples.eps(rows), part.impact = samples.impact(rows);
+  part.x = samples.x(rows), part.eps = samples.eps(rows), part.excess = samples.excess(rows), part.impact = samples.impact(rows);
   part.dx = samples.dx(rows, Eigen::all), part.deps = samples.deps(rows, Eigen::all);
   part.timing = samples.timing(rows, Eigen::all);
   part.ln_jacobian = samples.ln_jacobian(rows);

@@ -21,9 +21,11 @@ struct PlateSamples {
   std::vector<Piece> pieces;
   std::size_t n_drops = 0;
   Eigen::VectorXd x;         ///< ln v, v in m/s
-  Eigen::VectorXd eps;       ///< less what noisy intervals add on average
+  Eigen::VectorXd eps;
   Eigen::MatrixXd dx, deps;  ///< derivatives by the deviations
   Eigen::VectorXd impact;    ///< its number within the drop
+  Eigen::VectorXd excess;    ///< what noisy times add to eps on average
+  bool timing_is_least = false;
   /// Variance of eps by the times, covariance with the next row of the piece, with the one after that.
   Eigen::MatrixXd timing;
   Eigen::VectorXd ln_jacobian;         ///< ln d eps / d (T'/T): density of eps to that of the intervals

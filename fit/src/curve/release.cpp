@@ -13,7 +13,7 @@ std::vector<FirstFlights> first_flights(const RestitutionSamples& samples) {
   constexpr double kNearlyOne = 0.01;
   std::map<double, FirstFlights> by_speed;
   for (const RestitutionSample& s : samples) {
-    if (s.impact != 1) continue;
+    if (s.impact != 1 || s.conditions.of_heights) continue;
     FirstFlights& flights = by_speed[std::round(log(s.v_mps) / kNearlyOne)];
     if (flights.samples.empty()) flights.v_mps = s.v_mps, flights.eps = s.eps;
     flights.samples.push_back(s);

@@ -115,7 +115,8 @@ AirAndContact conditions_of(const RestitutionSamples& samples) {
   const bool of_intervals = said.gravity_mps2.has_value();
   known.has_drag =
       of_intervals && !said.drag_corrected && known.air.density_kgpm3 > 0.0 && median_speed_mps(samples) < kFastest_mps;
-  known.has_contact = of_intervals && !said.contact_time_corrected;
+  known.of_heights = said.of_heights;
+  known.has_contact = of_intervals && !said.contact_time_corrected && !said.of_heights;
   return known;
 }
 
@@ -251,6 +252,14 @@ AtThePlate OneAirAndContact::at_the_plate(double v_mps, double eps, bool from_he
   const double g = known_.gravity_mps2;
   const double before_s = 2.0 * v_mps / g;
   AtThePlate at;
+  if (known_.of_heights) {  // the launch that rises to h': u^2 = (g/kappa) (exp(2 kappa h') - 1)
+    at.v_mps = fall_with_drag_mps(v_mps * v_mps / (2.0 * g), g, kappa_per_m(v_mps));
+    const double launch_mps = eps * v_mps, twice_kappa_h = kappa_per_m(launch_mps) * square(launch_mps) / g;
+    const double more = std::sqrt(twice_kappa_h > 1e-6 ? (exp(twice_kappa_h) - 1.0) / twice_kappa_h : 1.0);
+    at.eps = more * launch_mps / at.v_mps;
+    at.stretch = exp(twice_kappa_h) / more * v_mps / at.v_mps;
+    return at;
+  }
   at.v_mps = from_height ? fall_with_drag_mps(v_mps * v_mps / (2.0 * g), g, kappa_per_m(v_mps))
                          : flight_before(v_mps, eps).landing_mps;
   const double after_s = eps * before_s, rest_s = after_s - contact_s(at.v_mps);

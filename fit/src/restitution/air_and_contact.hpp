@@ -26,6 +26,7 @@ struct AirAndContact {
   double kappa_spread = 0.0;  ///< standard deviation of ln kappa, 0 where there is no drag
   ContactDuration contact;    ///< median, and the standard deviation of ln tau; 0 s: contacts are instantaneous
   bool has_drag = true, has_contact = true;
+  bool of_heights = false;  ///< the samples are, in place of intervals
   bool is_named = true;   ///< false: what may be of a ball that is not named
   double ln_share = 0.0;  ///< logarithm of what it counts beforehand
   double most_eps = 1.0;  ///< such a ball has about this on the hardest floor

@@ -230,6 +230,7 @@ RestitutionSamples RestitutionInPieces::finish() {
 
 void RestitutionInPieces::end_drop(RestitutionSamples& samples) {
   ++counts_.n_drops;
+  const bool sigma_is_least = drop_.front().sigma_is_least;
   RestitutionSamples of_drop;
   if (config_.travel_time) {
     of_drop = samples_of_drop(without_travel_time(drop_, *config_.travel_time), config_, counts_, heights_m_);
@@ -243,6 +244,7 @@ void RestitutionInPieces::end_drop(RestitutionSamples& samples) {
   counts_.n_samples += of_drop.size();
   for (RestitutionSample& s : of_drop) {
     s.conditions = conditions_;
+    s.conditions.sigma_is_least = sigma_is_least;
     if (!s.flags.empty()) ++counts_.n_flagged;
   }
   std::move(of_drop.begin(), of_drop.end(), std::back_inserter(samples));

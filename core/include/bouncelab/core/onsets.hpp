@@ -73,6 +73,7 @@ struct Onset {
   Flags flags;
   /// That it is an impact of this ball: p(drop) p(impact given the drop), 0 ... 1.
   std::optional<double> probability = std::nullopt;
+  bool sigma_is_least = false;  ///< sigma_t_s is that of the digits of t_s: no more is known
 };
 
 /// Onsets ordered by recording (in the order given), then time.

@@ -18,6 +18,9 @@ struct SampleConditions {
   bool drag_corrected = false;
   bool contact_time_corrected = false;
   bool travel_time_corrected = false;    ///< of the sound, from impact to sensor
+  // how they were measured:
+  bool of_heights = false;               ///< v and eps are roots of heights, not of intervals
+  bool sigma_is_least = false;           ///< standard errors are of the digits alone
   std::optional<double> gravity_mps2;    ///< of the speeds
   std::optional<Ball> ball;              ///< whose drag and contact time the fit takes
   std::optional<Material> plate;         ///< likewise
