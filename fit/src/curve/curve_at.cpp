@@ -191,16 +191,26 @@ void CurveAt::find_noise(double step, double ln_s) {
       [&](const Noise& noise) { return ln_evidence(gram(some_, noise), kConstant, Slopes::few_places()); });
 }
 
-/// Factors of standard errors of the digits: 1, and those by which the times would make a quarter to all of the scatter.
-std::vector<double> CurveAt::timings() const {
-  std::vector<double> factors{1.0};
-  if (!all_.samples.timing_is_least) return factors;
+/// Factors of standard errors of the digits, and what each counts beforehand: as far as 256 (a stop watch of 0.001 s) or
+/// all of the scatter, by factor^(-1/4). Those that add nothing to the scatter are counted with 1.
+std::vector<std::pair<double, double>> CurveAt::timings() const {
+  if (!all_.samples.timing_is_least) return {{timing_, 1.0}};
+  constexpr double kFarthest = 256.0, kNothing = 0.2, kAll = 3.0;
   const Eigen::VectorXd variances = all_.samples.timing.col(0);
   const double of_digits = std::sqrt(median(std::vector<double>(variances.data(), variances.data() + variances.size())));
-  constexpr int kLeast = -4, kMost = 3;
-  for (int k = kLeast; k <= kMost; ++k)
-    if (const double factor = pow(2.0, 0.5 * k) * exp(noise_.noise.ln_s) / of_digits; factor > 1.2) factors.push_back(factor);
-  return factors;
+  const double scatter = exp(noise_.noise.ln_s) / of_digits;
+  std::vector<std::pair<double, double>> timings{{1.0, 1.0}};
+  double sum = 1.0;
+  for (double factor = 2.0; factor <= std::max(kFarthest, kAll * scatter); factor *= 2.0) {
+    const double share = pow(factor, -0.25);
+    sum += share;
+    if (factor < kNothing * scatter)
+      timings.front().second += share;
+    else
+      timings.emplace_back(factor, share);
+  }
+  for (auto& [factor, share] : timings) share /= sum;
+  return timings;
 }
 
 std::vector<LikelyNoise> CurveAt::likely_noises() const {

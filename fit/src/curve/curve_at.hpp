@@ -93,7 +93,7 @@ class CurveAt {
   void set_columns();
   void find_noise(double step, double ln_s);
   bool take_outliers_in();
-  std::vector<double> timings() const;
+  std::vector<std::pair<double, double>> timings() const;
   std::pair<Solution, Eigen::VectorXd> likeliest() const;
 
   const RestitutionSamples* samples_;

@@ -133,7 +133,7 @@ LikelyNoise with_likely_s(Noise noise, double step, std::size_t n,
   return {noise, std::min(1.0, 1.0 / std::sqrt(curvature)), here + 0.5 * curvature * square(shift)};
 }
 
-std::vector<LikelyNoise> likely_noises(const LikelyNoise& first, const std::vector<double>& timings,
+std::vector<LikelyNoise> likely_noises(const LikelyNoise& first, const std::vector<std::pair<double, double>>& timings,
                                        std::size_t n_drops, std::size_t n,
                                        const std::function<double(const Noise&)>& evidence) {
   std::vector<LikelyNoise> all;
@@ -156,18 +156,16 @@ std::vector<LikelyNoise> likely_noises(const LikelyNoise& first, const std::vect
     return best_here;
   };
   const double without = n_drops > 1 ? kShareWithoutShared : 1.0;
-  std::vector<std::pair<double, double>> likely_timings;  // with their evidence
-  for (std::size_t k = 0; k < timings.size(); ++k)
-    likely_timings.emplace_back(timings[k], consider(timings[k], 0.0, 1.0, without / static_cast<double>(timings.size())));
-  std::erase_if(likely_timings, [&, least = best - kLikely](const auto& one) { return one.second < least; });
+  std::vector<std::pair<double, double>> likely = timings;
+  for (auto& [timing, share] : likely)
+    if (consider(timing, 0.0, 1.0, without * share) < best - kLikely) share = 0.0;
   // rho beforehand: half a Cauchy distribution of scale 1, at steps of a factor 2, for as long as more may be likely
   // (Gelman, Bayesian Analysis 1, 515 (2006), doi:10.1214/06-BA117A)
-  for (const auto& [timing, known] : likely_timings)
+  for (const auto& [timing, share] : likely)
     for (const double phi : {1.0, 0.8})
-      for (double rho = 0.35; n_drops > 1 && rho < 1e7; rho *= 2.0) {
+      for (double rho = 0.35; n_drops > 1 && share > 0.0 && rho < 1e7; rho *= 2.0) {
         const double density = 2.0 / kPi * rho / (1.0 + rho * rho) * log(2.0);
-        const double here = consider(timing, rho, phi,
-                                     0.5 * (1.0 - kShareWithoutShared) * density / static_cast<double>(timings.size()));
+        const double here = consider(timing, rho, phi, 0.5 * (1.0 - kShareWithoutShared) * density * share);
         if (rho > 2.0 && here < best - kLikely) break;
       }
   std::erase_if(all, [&](const LikelyNoise& one) { return one.ln_evidence < best - kLikely; });

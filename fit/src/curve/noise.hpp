@@ -46,8 +46,8 @@ double ln_prior_of_s(double ln_s);
 LikelyNoise with_likely_s(Noise noise, double step, std::size_t n, const std::function<double(const Noise&)>& evidence);
 
 /// All noises within `kLikely` of the best: powers 0, 1/2, 1, and of several drops what they share.
-/// @param timings  factors of standard errors that may be too small
-std::vector<LikelyNoise> likely_noises(const LikelyNoise& first, const std::vector<double>& timings,
+/// @param timings  factors of standard errors that may be too small, and what each counts beforehand
+std::vector<LikelyNoise> likely_noises(const LikelyNoise& first, const std::vector<std::pair<double, double>>& timings,
                                        std::size_t n_drops, std::size_t n,
                                        const std::function<double(const Noise&)>& evidence);
 

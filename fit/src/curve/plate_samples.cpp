@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "bouncelab/core/elementary.hpp"
+#include "numerics/linalg.hpp"
 
 namespace bouncelab::fit {
 namespace {
@@ -42,6 +43,30 @@ struct Drop {
   std::vector<std::size_t> rows;
   std::map<std::int64_t, std::pair<double, double>> onsets;  ///< sum of sigma_t^2, number of samples
 };
+
+/// v and eps of a drop's rows by a smooth train: ln T quadratic in the number of the impact, weighted by T^2. About it
+/// eps is linear in large errors of the times, which then cancel from row to row as they do in the sum of intervals.
+void smooth(RestitutionSamples& rows) {
+  const auto n = static_cast<Eigen::Index>(rows.size());
+  constexpr Eigen::Index kEnoughToBend = 5;
+  const Eigen::Index n_powers = n >= kEnoughToBend ? 3 : 2;
+  Eigen::MatrixXd powers(n + 1, n_powers);
+  Eigen::VectorXd ln_v(n + 1);
+  const auto power_row = [&](double k) { return Eigen::RowVector3d(1.0, k, k * k).head(n_powers).eval(); };
+  for (Eigen::Index k = 0; k <= n; ++k) {
+    const RestitutionSample& s = rows[static_cast<std::size_t>(std::min(k, n - 1))];
+    const double v_mps = k < n ? s.v_mps : s.v_mps * std::max(s.eps, 0.05);
+    ln_v[k] = v_mps * log(v_mps);
+    powers.row(k) = v_mps * power_row(static_cast<double>(s.impact - rows.front().impact + (k < n ? 0 : 1)));
+  }
+  const Eigen::VectorXd of = least_squares(powers, ln_v);
+  for (RestitutionSample& s : rows) {
+    const auto at = [&](std::int64_t impact) { return power_row(static_cast<double>(impact - rows.front().impact)).dot(of); };
+    const double first = at(s.impact), next = at(s.impact + 1);
+    s.v_mps = exp(first);
+    s.eps = std::clamp(exp(next - first), 0.1, 1.2);
+  }
+}
 
 }  // namespace
 
@@ -83,9 +108,17 @@ PlateSamples plate_samples(const RestitutionSamples& samples, const AirAndContac
   for (Drop& drop : drops) {
     std::stable_sort(drop.rows.begin(), drop.rows.end(),
                      [&](std::size_t a, std::size_t b) { return samples[a].impact < samples[b].impact; });
+    RestitutionSamples measured, train;
+    for (const std::size_t k : drop.rows) measured.push_back(samples[k]);
+    train = measured;
+    if (all.timing_is_least) smooth(train);
+    for (std::size_t k = 0; k < train.size() && all.timing_is_least; ++k) {
+      measured[k].eps = train[k].eps + (measured[k].eps - train[k].eps) * measured[k].v_mps / train[k].v_mps;
+      measured[k].v_mps = train[k].v_mps;
+    }
     std::vector<std::array<double, 3>> by_time;  // of the rows of this drop, times the standard error of each onset
     for (std::size_t k = 0; k < drop.rows.size(); ++k, ++row) {
-      const RestitutionSample& s = samples[drop.rows[k]];
+      const RestitutionSample &s = measured[k], &in_train = train[k];
       const bool from_height = s.impact == 0;
       const auto moved = [&](const OneAirAndContact& one) {
         return known.is_open() ? one.at_the_plate(s.v_mps, s.eps, from_height) : AtThePlate{s.v_mps, s.eps, 1.0};
@@ -101,11 +134,14 @@ PlateSamples plate_samples(const RestitutionSamples& samples, const AirAndContac
         all.deps(row, column) = (up.eps - down.eps) / (2.0 * kStep);
         all.ln_jacobian_slopes(row, column) = log(up.stretch / down.stretch) / (2.0 * kStep);
       }
-      const OfOnsets of = of_onsets(s, known.gravity_mps2);
+      OfOnsets of = of_onsets(samples[drop.rows[k]], known.gravity_mps2);
+      of.by_time = of_onsets(in_train, known.gravity_mps2).by_time;
       const bool of_times = s.conditions.gravity_mps2.has_value();
       all.eps[row] = plate.eps;
       // to second order: a ratio of two noisy intervals, or a root of one of heights, is too large on average
-      if (s.conditions.of_heights)
+      if (all.timing_is_least)
+        all.excess[row] = 0.0;
+      else if (s.conditions.of_heights)
         all.excess[row] = of.sigma_t2 * (1.5 * square(of.by_time[1]) - 0.5 * square(of.by_time[2])) / plate.eps;
       else if (of_times && !from_height)
         all.excess[row] = of.sigma_t2 * square(of.by_time[2]) * (1.0 + 2.0 * plate.eps);

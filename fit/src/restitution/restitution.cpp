@@ -73,19 +73,24 @@ bool adjacent(std::span<const RestitutionSample> drop, std::size_t a, std::size_
 /// Flags ratios that only a missed or an invented impact explains. A missed impact makes one interval too long: the
 /// ratio there too large, the next too small. An invented one splits an interval: the first ratio that stands out is
 /// too small, and the split interval's halves touch up to two samples on either side.
-void flag_wrong_intervals(std::span<RestitutionSample> drop, RestitutionCounts& counts) {
+/// Of times whose error is not known, a stop watch's, only what leaves T' = m T by five times what the others do.
+void flag_wrong_intervals(std::span<RestitutionSample> drop, bool error_is_known, RestitutionCounts& counts) {
   constexpr std::size_t kEnoughForAMedian = 5;
   if (drop.size() < kEnoughForAMedian) return;
   std::vector<double> ratios;
   for (const auto& s : drop) ratios.push_back(s.eps);
   const double m = upper_median(ratios);
   const double factor = std::sqrt(1.0 + m);
+  std::vector<double> off;  // T' - m T, up to a constant
+  for (const auto& s : drop) off.push_back(std::abs((s.eps - m) * s.v_mps));
+  constexpr double kFarOff = 5.0 * 1.4826;  // standard deviations, of a normal distribution, in medians
+  const double within = error_is_known ? 0.0 : kFarOff * median(off);
   const auto differ = [&](double a, double b) { return a >= factor * b || b >= factor * a; };
   for (std::size_t k = 0; k < drop.size(); ++k) {
     // a coefficient that falls steeply with the speed leaves the median too, but step by step
     const bool jumps =
         (k > 0 && differ(ratios[k], ratios[k - 1])) || (k + 1 < drop.size() && differ(ratios[k], ratios[k + 1]));
-    if (!differ(ratios[k], m) || !jumps) continue;
+    if (!differ(ratios[k], m) || !jumps || off[k] < within) continue;
     const bool missed = ratios[k] > m;
     const Flag reason = missed ? Flag::missing_impact : Flag::extra_impact;
     ++counts.breaks[reason];
@@ -139,7 +144,7 @@ RestitutionSamples samples_of_drop(std::span<const Onset> drop, const Restitutio
   }
   close_piece(drop.size());
   const bool has_first = config.drop_height_m && !samples.empty() && samples.front().impact == 0;
-  flag_wrong_intervals(std::span(samples).subspan(has_first ? 1 : 0), counts);
+  flag_wrong_intervals(std::span(samples).subspan(has_first ? 1 : 0), !drop.front().sigma_is_least, counts);
   if (has_first && contradicts(samples)) {
     ++counts.n_heights_contradicted;
     // as high as the ball must fall to be as fast as the flight after the first impact asks for
