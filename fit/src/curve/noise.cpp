@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <utility>
 
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/parallel.hpp"
@@ -169,7 +170,22 @@ std::vector<LikelyNoise> likely_noises(const LikelyNoise& first, const std::vect
         if (rho > 2.0 && here < best - kLikely) break;
       }
   std::erase_if(all, [&](const LikelyNoise& one) { return one.ln_evidence < best - kLikely; });
-  return all;
+  // of very many those that are met at equal steps through all of their weights
+  constexpr std::size_t kMany = 64, kMet = 32;
+  if (all.size() <= kMany) return all;
+  const auto weight = [&](const LikelyNoise& one) { return one.ln_s_sd * exp(one.ln_evidence - best); };
+  double total = 0.0, passed = 0.0, next = 0.5 / kMet;
+  for (const LikelyNoise& one : all) total += weight(one);
+  std::vector<LikelyNoise> met;
+  for (const LikelyNoise& one : all) {
+    passed += weight(one) / total;
+    double times = 0.0;
+    for (; next < passed; next += 1.0 / kMet) times += 1.0;
+    if (times == 0.0) continue;
+    met.push_back(one);
+    met.back().noise.ln_prior += log(times * total / (weight(one) * kMet));
+  }
+  return met;
 }
 
 }  // namespace bouncelab::fit
