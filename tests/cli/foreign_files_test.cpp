@@ -125,13 +125,57 @@ TEST_F(ForeignFiles, WhatFollowsInJoinedFilesIsNamed) {
 }
 
 TEST_F(ForeignFiles, ATableMayComeThroughAPipe) {
-  write("i.csv", "interval_ms\n600\n540\n486\n437.4\n393.7\n354.3\n");
-  const std::string answer = run("analyze i.csv --out file").out;
-  EXPECT_THAT(answer, HasSubstr("ε = 0.9"));
-  const Result piped = shell("cat i.csv | \"$B\" analyze - --out piped");
-  EXPECT_EQ(piped.exit_code, 0) << piped.err;
+  const auto utf16 = [](const std::string& ascii) {
+    std::string text = "\xFF\xFE";
+    for (const char c : ascii) text += {c, '\0'};
+    return text;
+  };
+  const std::string german = "interval_ms;n\n600,5;1\n540,4;2\n486,3;3\n437,6;4\n393,9;5\n354,4;6\n";
+  write("i.csv", german);
+  write("i16.csv", utf16(german));
+  ASSERT_EQ(run("convert i.csv --to own.csv own.jsonl").exit_code, 0);
+  write("own16.csv", utf16(content("own.csv")));
   const auto first_line = [](const std::string& text) { return text.substr(0, text.find('\n')); };
-  EXPECT_EQ(first_line(piped.out), first_line(answer));
+  const std::string answer = first_line(run("analyze i.csv --out file").out);
+  EXPECT_THAT(answer, HasSubstr("ε = 0.9"));
+  const auto piped = [&](const std::string& command) {
+    const Result result = shell("B=\"$B\" bash -c '" + command + " --force'");
+    EXPECT_EQ(result.exit_code, 0) << command << ": " << result.err;
+    return first_line(result.out);
+  };
+  for (const std::string name : {"i.csv", "i16.csv", "own.csv", "own16.csv", "own.jsonl"}) {
+    EXPECT_EQ(piped("cat " + name + " | \"$B\" analyze - --out piped"), answer) << name;
+    piped("cat " + name + " | \"$B\" convert - --to back.csv");
+    EXPECT_THAT(content("back.csv"), HasSubstr("0.6005")) << name;
+    piped("cat " + name + " | \"$B\" restitution - --out s.csv");
+  }
+  for (const std::string command : {"analyze <(cat i.csv)", "<(cat own16.csv)", "analyze /dev/stdin <own.jsonl"})
+    EXPECT_EQ(piped("\"$B\" " + command + " --out piped"), answer) << command;
+  ASSERT_EQ(run("restitution own.csv --out s.jsonl").exit_code, 0);
+  write("s16.csv", utf16(content("s.csv")));
+  write("e.csv", "v (m/s);COR\n2,9;0,90\n2,6;0,90\n2,4;0,90\n2,1;0,91\n1,9;0,90\n");
+  write("e16.csv", utf16(content("e.csv")));
+  for (const std::string name : {"s.csv", "s16.csv", "s.jsonl", "e.csv", "e16.csv"}) {
+    piped("cat " + name + " | \"$B\" fit - --out piped.json");
+    EXPECT_EQ(run("fit " + name + " --out file.json --force").exit_code, 0);
+    EXPECT_EQ(Json(content("piped.json"))["answer"].dump(), Json(content("file.json"))["answer"].dump()) << name;
+  }
+}
+
+TEST_F(ForeignFiles, AWorkbookIsNamedAsSuch) {
+  const std::string zip = "PK\x03\x04" + std::string(26, '\0');
+  write("lab.xlsx", zip + "[Content_Types].xml" + std::string(1000, '\0'));
+  write("lab.ods", zip + "mimetypeapplication/vnd.oasis.opendocument.spreadsheet");
+  write("lab.numbers", zip + "Index/Document.iwa");
+  write("lab.xls", "\xD0\xCF\x11\xE0\xA1\xB1\x1A\xE1" + std::string(1000, '\0'));
+  write("lab.csv", zip + "xl/workbook.xml");
+  for (const std::string name : {"lab.xlsx", "lab.ods", "lab.numbers", "lab.xls", "lab.csv"})
+    for (const std::string command : {"", "analyze ", "compare --out c lab.ods ", "restitution --out s.csv ",
+                                      "fit --out f.json ", "convert --to o.csv "})
+      expect_one_line_error(run(command + name), 3, {": is a workbook: save the sheet as CSV"});
+  write("run.zip", zip + "Raw Data.csv");
+  expect_one_line_error(run("run.zip"), 3, {"run.zip: is a ZIP archive: unpack it"});
+  expect_one_line_error(shell("cat lab.xlsx | \"$B\" fit - --out f.json"), 3, {"standard input: is a workbook"});
 }
 
 TEST_F(ForeignFiles, TheMedianIsOfTheSamplesWithoutFlags) {
