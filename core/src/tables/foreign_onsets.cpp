@@ -299,7 +299,7 @@ Times times_of_intervals(const Sequence& sequence, double unit_s, const std::str
 /// Asks about a column whose cells stand in blocks ("1 1 1 2 2 2") that are not the drops found.
 /// @param drop_of_row  -1: the row has no impact
 void check_blocks(const ForeignTable& table, std::size_t column, const std::vector<std::int64_t>& drop_of_row,
-                  const std::string& name) {
+                  const ForeignOptions& options, const std::string& name) {
   const std::vector<ColumnSpec> own = onset_columns();
   for (std::size_t k = 0; k < table.n_columns(); ++k) {
     const std::string title = title_of(table, k);
@@ -331,8 +331,8 @@ void check_blocks(const ForeignTable& table, std::size_t column, const std::vect
     if (!are_blocks || (same && n_drops == blocks.size())) continue;
     const std::string t = column_option(table, "t", column);
     ask(table, name, column_name(table, k) + " changes where no new drop is seen; does it tell the drops?",
-        {{"it does", told("auto", "auto", t + "," + column_option(table, "drop", k))},
-         {"it does not", told("auto", "auto", t)}});
+        {{"it does", told(options.as, options.unit, t + "," + column_option(table, "drop", k))},
+         {"it does not", told(options.as, options.unit, t)}});
   }
 }
 
@@ -373,7 +373,7 @@ TakenTable onsets_from_foreign(const ForeignTable& table, const std::string& nam
       if (intervals && (impact == 0 || times.drop[impact] != times.drop[impact - 1])) ++impact;  // its first, at 0
       drop_of_row[row] = times.drop[impact++];
     }
-    check_blocks(table, *sequence.column, drop_of_row, name);
+    check_blocks(table, *sequence.column, drop_of_row, options, name);
   }
   TakenTable taken;
   const std::size_t n_impacts = times.t_s.size();

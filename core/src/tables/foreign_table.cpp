@@ -106,7 +106,7 @@ ForeignTable read_foreign_table(std::string_view text, const std::string& name, 
     throw FileError(name, "line " + std::to_string(below.number) + ": " + printable(below.text, 60) +
                               ": no line holds numbers; a table of times or intervals, or marks are needed");
   }
-  const std::span<const Line> rows(first, lines.end());
+  const std::span<const Line> rows = std::span(lines).subspan(static_cast<std::size_t>(first - lines.begin()));
   ForeignTable table;
   const auto cells_in = [&](std::string_view line) {
     const std::vector<std::string_view> cells = cells_of(line, table.format.separator);

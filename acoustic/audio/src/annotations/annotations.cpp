@@ -342,7 +342,7 @@ bool holds_times(std::string_view head, bool is_whole) {
     constexpr double kLongestStep_s = 1.0 / 4000.0;  // of the lowest rate of a sound
     std::istringstream rows(text);
     const std::optional<double> step_s = step_of_number_text(rows);
-    return !step_s || *step_s > kLongestStep_s;
+    return !step_s || *step_s <= 0.0 || *step_s > kLongestStep_s;
   } catch (const FileError&) {
     return true;  // the reader of times says what is wrong with its rows
   }
