@@ -101,5 +101,22 @@ TEST(Utf8, AnyBytesBecomeValidTextAndComeBack) {
   }
 }
 
+TEST(DecodedText, NamesWhatItIsNot) {
+  const auto message = [](const std::string& bytes) -> std::string {
+    try {
+      return decoded_text(bytes, "x");
+    } catch (const FileError& error) {
+      return error.what();
+    }
+  };
+  EXPECT_THAT(message(std::string("\xFF\xFE\0\0a\0\0\0", 8)), HasSubstr("UTF-32"));
+  EXPECT_THAT(message("PK\x03\x04 spreadsheet"), HasSubstr("ZIP archive"));
+  EXPECT_THAT(message(std::string("\xFF\xFE\0\xDC", 4)), HasSubstr("damaged UTF-16"));
+  EXPECT_THAT(message(std::string("a\0b\0\0\0c d e f g", 15)), HasSubstr("bytes 0"));
+  EXPECT_THAT(message("\x81"), HasSubstr("neither UTF-8"));
+  EXPECT_EQ(message("\x80 5\n"), "\xE2\x82\xAC 5\n");                                  // the euro of Windows-1252
+  EXPECT_EQ(message(std::string("\xFF\xFE\x3D\xD8\x00\xDE", 6)), "\xF0\x9F\x98\x80");  // a pair of surrogates
+}
+
 }  // namespace
 }  // namespace bouncelab
