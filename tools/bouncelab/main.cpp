@@ -229,8 +229,10 @@ void say_readings(const AmbiguousTable& table, const std::vector<std::string>& l
   std::string command = "bouncelab";
   for (std::size_t k = 1; k < line.size(); ++k) {
     const bool is_answer = line[k] == "--as" || line[k] == "--unit" || line[k] == "--columns";
-    if (is_answer) ++k;
-    else command += " " + shell_word(line[k]);
+    if (is_answer)
+      ++k;
+    else
+      command += " " + shell_word(line[k]);
   }
   for (const AmbiguousTable::Reading& reading : table.readings())
     say("  " + reading.meaning + ": " + command + " " + command_line_of(reading.options));
@@ -250,7 +252,8 @@ int run_and_report(const std::vector<std::string>& line) {
   } catch (const FileError& error) {
     return fail("bouncelab: " + std::string(error.what()), kFileError, json);
   } catch (const AmbiguousTable& error) {
-    const int exit_code = fail("bouncelab: " + (json ? std::string(error.what()) : error.question()), kWrongUsage, json);
+    const int exit_code =
+        fail("bouncelab: " + (json ? std::string(error.what()) : error.question()), kWrongUsage, json);
     say_readings(error, line);
     return exit_code;
   } catch (const InvalidArgument& error) {

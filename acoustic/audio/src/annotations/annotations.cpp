@@ -9,10 +9,10 @@
 #include <string_view>
 
 #include "annotations/annotation_numbers.hpp"
-#include "io/numbers.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/foreign_table.hpp"
 #include "bouncelab/core/text.hpp"
+#include "io/numbers.hpp"
 
 namespace bouncelab::audio {
 namespace {
