@@ -229,6 +229,14 @@ TEST_F(ForeignFiles, AQuestionIsAnsweredByACommandThatItPrints) {
   }
 }
 
+TEST_F(ForeignFiles, NumbersOfRowsBesideTimesAreNoLabels) {
+  for (const char* table :
+       {"1\t400\n2\t1000\n3\t1510\n", "1\t400\tx\n2\t1000\ty\n3\t1510\tz\n", "1\t400\t7\n2\t1000\t8\n3\t1510\t9\n"}) {
+    write("t.txt", table);
+    EXPECT_NE(run("restitution t.txt --out s.csv --force").exit_code, 0) << table;
+  }
+}
+
 TEST_F(ForeignFiles, AQuestionIsInTheJsonOfTheFailure) {
   write("fall.csv", "0.6\n0.51\n0.4335\n0.368475\n");
   const Result result = run("analyze fall.csv --out o --json");
