@@ -106,7 +106,7 @@ class Errors(Case):
         with self.assertRaisesRegex(ValueError, "--columns v=COLUMN,eps=COLUMN"):
             bl.Samples.from_csv(self.written("t_s\n1\n2\n"))
         falling = self.written("0.6\n0.51\n0.4335\n")
-        with self.assertRaisesRegex(ValueError, "do not rise.*; say --as intervals --unit s"):
+        with self.assertRaisesRegex(ValueError, "do not rise.*; say .*taken_as='intervals', unit='s'"):
             bl.Onsets.from_csv(falling)
         onsets = bl.Onsets.from_csv(falling, taken_as="intervals", unit="s")
         np.testing.assert_allclose(onsets.t, [0.0, 0.6, 1.11, 1.5435])
