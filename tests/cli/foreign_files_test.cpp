@@ -10,7 +10,6 @@
 
 #include "bouncelab/audio/annotations.hpp"
 #include "bouncelab/core/error.hpp"
-#include "bouncelab/core/foreign_table.hpp"
 #include "bouncelab/core/samples.hpp"
 #include "bouncelab/core/table.hpp"
 #include "program.hpp"
@@ -63,8 +62,6 @@ TEST_F(ForeignFiles, OfTimesGiveTheAnswerAsARecordingDoes) {
               HasSubstr("t/times.csv: times in s (column 'Time (s)'): 12 impacts in 1 drop"));
   write("a.wav", float_wav(bouncing(12), 44100));
   expect_one_line_error(run("analyze a.wav t/times.csv --out o"), 2, {"times.csv", "one kind at a time"});
-  write("speeds.csv", "speed;e\n1,2;0,85\n1,0;0,85\n0,8;0,86\n");
-  expect_one_line_error(run("speeds.csv"), 3, {"speeds.csv", "bouncelab fit"});
 }
 
 TEST_F(ForeignFiles, GapsOfAContainersTimeStampsAreKept) {
@@ -190,7 +187,10 @@ TEST_F(ForeignFiles, AreTakenAsTheUserSays) {
   EXPECT_THAT(said_of("us.csv --columns t=b --unit us --as times"), HasSubstr("times in us"));
   expect_one_line_error(run("restitution us.csv --columns t=c --out t.csv"), 3, {"'c'", "column 'a'"});
   write("letters.csv", "x,y\n0.9,1.2\n0.9,1.0\n0.9,0.8\n0.9,0.6\n");
-  expect_one_line_error(run("fit letters.csv --out f.json"), 3, {"letters.csv", "--columns v=COLUMN,eps=COLUMN"});
+  const Result asked = run("fit letters.csv --out f.json");
+  EXPECT_EQ(asked.exit_code, 2);
+  EXPECT_THAT(asked.err, AllOf(HasSubstr("letters.csv"), HasSubstr("--columns v=COLUMN,eps=COLUMN"),
+                               HasSubstr("  y  1.2  1.0  0.8 ...")));
   // of one digit each value is off by up to .05: .029 by the root of four
   EXPECT_THAT(run("fit letters.csv --columns v=y,eps=x --out f.json").out, HasSubstr(" ± 0.015 (95 %: 0.8"));
   const auto tier = [](const std::string& name, const std::string& lines) {
@@ -226,38 +226,69 @@ TEST_F(ForeignFiles, LabelsAreNumberedOnlyIfTheirNumbersAreOurs) {
   EXPECT_EQ(audio::onsets_of_file(bars, "comma.txt", {}, {}, taken_for).back().impact, 11);
 }
 
-/// What a table is taken for, or why it is refused.
-std::string taken(const std::string& text, bool of_samples = false) {
-  try {
-    const ForeignTable table = read_foreign_table(text, "x");
-    return (of_samples ? samples_from_foreign(table, "x", {}) : onsets_from_foreign(table, "x", {})).taken_for;
-  } catch (const FileError& error) {
-    return error.what();
+/// The lines of a text.
+std::vector<std::string> lines_of(const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream in(text);
+  for (std::string line; std::getline(in, line);) lines.push_back(line);
+  return lines;
+}
+
+TEST_F(ForeignFiles, AQuestionIsAnsweredByACommandThatItPrints) {
+  write("it's two.csv", "A (s);B (ms);note\n" + std::regex_replace(times(), std::regex("(.+)\n"), "$1;9;x\n"));
+  write("fall.csv", "0.6\n0.51\n0.4335\n0.368475\n");
+  write("columns.csv", "Zeit;Höhe\n" + std::regex_replace(times(), std::regex("(.+)\n"), "$1;0\n"));
+  write("trial.csv",
+        "trial,Time (s)\n" + std::regex_replace(times(6), std::regex("(.+)\n"), "1,$1\n") + "2,2.9\n2,3.1\n");
+  write("speeds.csv", "v (cm/s);e\n120;0,85\n100;0,86\n90;0,85\n80;0,84\n");
+  struct Asked {
+    const char *command, *question, *cells;
+    int n_readings;
+  };
+  for (const Asked& c :
+       {Asked{"restitution \"it's two.csv\" --unit s --out s.csv --force", "2 columns are of a time",
+              "    A (s)   0.400000  1.000000  1.510000 ...", 2},
+        Asked{"fall.csv --out fall --force", "do not rise", "    1  0.6  0.51  0.4335 ...", 1},
+        Asked{"analyze columns.csv --out columns --force --json", "no title has a unit", "    Höhe  0  0  0 ...", 1},
+        Asked{"convert trial.csv --to trial.jsonl --force", "'trial' changes", "    trial     1  1  1 ...", 2},
+        Asked{"fit speeds.csv --out f.json --force", "which columns are", "    e         0,85  0,86  0,85 ...", 1}}) {
+    SCOPED_TRACE(c.command);
+    const Result result = run(c.command);
+    EXPECT_EQ(result.exit_code, 2) << result.err;
+    const std::vector<std::string> said = lines_of(result.err);
+    ASSERT_GT(said.size(), 2U) << result.err;
+    EXPECT_THAT(said[0], AllOf(testing::StartsWith("bouncelab: "), HasSubstr(".csv: "), HasSubstr(c.question)));
+    EXPECT_THAT(said, testing::Contains(c.cells));
+    int n_readings = 0;
+    for (const std::string& line : said) {
+      const std::size_t command = line.find(": bouncelab ");
+      if (command == std::string::npos || &line == &said[0]) continue;
+      ++n_readings;
+      EXPECT_THAT(line, testing::StartsWith("  "));
+      if (line.find("B (ms)") != std::string::npos) continue;  // it holds no times
+      const Result answered = shell("\"$B\" " + line.substr(command + std::string(": bouncelab ").size()));
+      EXPECT_EQ(answered.exit_code, 0) << line << "\n" << answered.err;
+    }
+    EXPECT_EQ(n_readings, c.n_readings) << result.err;
   }
 }
 
-TEST(ForeignTitles, NameTheQuantityAndItsUnit) {
-  EXPECT_THAT(taken("t_cs\n0\n50\n95\n135.5\n"), HasSubstr("times in cs"));
-  EXPECT_THAT(taken("time [h]\n0.1\n0.2\n0.29\n0.371\n"), HasSubstr("times in h"));
-  EXPECT_THAT(taken("frame\n12\n132\n240\n337\n"), HasSubstr("counts frames"));
-  for (const char* title : {"height (m)", "energy (J)", "Peak amplitude (V)", "speed (m/s)", "e", "temperature (degC)"})
-    EXPECT_THAT(taken(std::string(title) + "\n0.5\n0.361\n0.261\n0.189\n0.136\n"),
-                AllOf(HasSubstr("no column of times or intervals"), HasSubstr("--columns")));
-  EXPECT_THAT(taken("bounce,speed (m/s)\n0,3.13\n1,2.66\n2,2.26\n"), HasSubstr("no column of times or intervals"));
-  EXPECT_THAT(taken("n,time (s)\n0,0.5\n1,1.0\n2,-\n3,1.355\n4,1.6\n"), HasSubstr("line 4"));
-  EXPECT_THAT(taken("n,time (s)\n0,0.5\n1,1.0\n2,1.355\n3,1.6\n4,\n"), HasSubstr("times in s")) << "not heard";
-  for (const auto& [titles, words] : {std::pair{"v_cmps,eps", "speeds in cm/s"},
-                                      {"v [mm/s],eps", "speeds in mm/s"},
-                                      {"v_kmh,eps", "speeds in km/h"},
-                                      {"known speed,e", "speeds in m/s"},
-                                      {"speed (mph),e", "unit that is not known"},
-                                      {"v (ft/s),e", "unit that is not known"},
-                                      {"speed (knots),e", "unit that is not known"},
-                                      {"v (m/s),e^2", "no columns that are plainly speed"},
-                                      {"v (m/s),1-e", "no columns that are plainly speed"},
-                                      {"v_t (m/s),e", "no columns that are plainly speed"},
-                                      {"ln(v),e", "no columns that are plainly speed"}})
-    EXPECT_THAT(taken(std::string(titles) + "\n2,0.8\n1.6,0.8\n1.3,0.8\n1,0.8\n", true), HasSubstr(words)) << titles;
+TEST_F(ForeignFiles, NumbersOfRowsBesideTimesAreNoLabels) {
+  for (const char* table :
+       {"1\t400\n2\t1000\n3\t1510\n", "1\t400\tx\n2\t1000\ty\n3\t1510\tz\n", "1\t400\t7\n2\t1000\t8\n3\t1510\t9\n"}) {
+    write("t.txt", table);
+    EXPECT_NE(run("restitution t.txt --out s.csv --force").exit_code, 0) << table;
+  }
+}
+
+TEST_F(ForeignFiles, AQuestionIsInTheJsonOfTheFailure) {
+  write("fall.csv", "0.6\n0.51\n0.4335\n0.368475\n");
+  const Result result = run("analyze fall.csv --out o --json");
+  EXPECT_EQ(result.exit_code, 2);
+  const Json failure(result.out);
+  EXPECT_EQ(failure["exit_code"], 2);
+  EXPECT_THAT(failure["error"].text(),
+              AllOf(HasSubstr("do not rise"), HasSubstr("--as intervals --unit s (intervals in s)")));
 }
 
 TEST_F(ForeignFiles, WhatTheirDropsSayAgainstOneValueIsSaid) {

@@ -20,6 +20,7 @@
 #include "bouncelab/core/core.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/files.hpp"
+#include "bouncelab/core/foreign_table.hpp"
 #include "bouncelab/core/parallel.hpp"
 #include "bouncelab/core/text.hpp"
 #include "options/commands.hpp"
@@ -223,6 +224,24 @@ int fail(const std::string& message, int exit_code, bool json) {
               : exit_code;
 }
 
+/// The columns of a table that does not prove what it holds, and the command that was typed with each answer.
+void say_readings(const AmbiguousTable& table, const std::vector<std::string>& line) {
+  std::size_t widest = 0;
+  for (const AmbiguousTable::Column& column : table.columns()) widest = std::max(widest, column.title.size());
+  for (const AmbiguousTable::Column& column : table.columns())
+    say("    " + column.title + std::string(widest - column.title.size() + 2, ' ') + column.first_cells + " ...");
+  std::string command = "bouncelab";
+  for (std::size_t k = 1; k < line.size(); ++k) {
+    const bool is_answer = line[k] == "--as" || line[k] == "--unit" || line[k] == "--columns";
+    if (is_answer)
+      ++k;
+    else
+      command += " " + shell_word(line[k]);
+  }
+  for (const AmbiguousTable::Reading& reading : table.readings())
+    say("  " + reading.meaning + ": " + command + " " + command_line_of(reading.options));
+}
+
 /// @return the exit code, after one line of what went wrong
 int run_and_report(const std::vector<std::string>& line) {
   bool json = std::find(line.begin(), std::find(line.begin(), line.end(), "--"), "--json") != line.end();
@@ -236,6 +255,11 @@ int run_and_report(const std::vector<std::string>& line) {
     return fail("bouncelab: " + std::string(error.what()) + "; --force replaces it", kFileError, json);
   } catch (const FileError& error) {
     return fail("bouncelab: " + std::string(error.what()), kFileError, json);
+  } catch (const AmbiguousTable& error) {
+    const int exit_code =
+        fail("bouncelab: " + (json ? std::string(error.what()) : error.question()), kWrongUsage, json);
+    say_readings(error, line);
+    return exit_code;
   } catch (const InvalidArgument& error) {
     return fail("bouncelab: " + std::string(error.what()), kWrongUsage, json);
   } catch (const std::filesystem::filesystem_error& error) {

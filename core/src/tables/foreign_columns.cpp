@@ -2,83 +2,68 @@
 #include "tables/foreign_columns.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
 #include <variant>
 
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/text.hpp"
-#include "tables/title_words.hpp"
 
 namespace bouncelab {
 
-bool has_word(std::string_view title, Words wanted) {
-  const std::vector<std::string> words = words_of(title);
-  return std::any_of(words.begin(), words.end(), [&](const std::string& word) {
-    return std::find(wanted.begin(), wanted.end(), word) != wanted.end();
-  });
-}
+AmbiguousTable::AmbiguousTable(const std::string& file, const std::string& question, std::vector<Column> columns,
+                               std::vector<Reading> readings)
+    : InvalidArgument([&] {
+        std::string text = printable(file) + ": " + question;
+        for (std::size_t k = 0; k < readings.size(); ++k)
+          text +=
+              (k == 0 ? "; say " : " or ") + command_line_of(readings[k].options) + " (" + readings[k].meaning + ")";
+        return text;
+      }()),
+      question_(printable(file) + ": " + question),
+      columns_(std::move(columns)),
+      readings_(std::move(readings)) {}
 
-Numbers numbers_of(const ForeignTable& table, std::size_t column) {
-  Numbers result;
-  std::optional<double> before;
-  for (const ForeignTable::Row& row : table.rows) {
-    const auto number = row.number(column);
-    if (!number) continue;
-    ++result.n;
-    const bool begins = (number->value == 0.0 || number->value == 1.0) && (!before || number->value < *before);
-    result.counts = result.counts && (begins || (before && number->value == *before + 1.0));
-    before = number->value;
-  }
-  result.counts = result.counts && result.n > 1;
-  return result;
+std::string command_line_of(const ForeignOptions& options) {
+  std::string text;
+  const auto add = [&](const char* name, const std::string& value) {
+    if (value != "auto" && !value.empty())
+      text += (text.empty() ? "--" : " --") + std::string(name) + " " + shell_word(value);
+  };
+  add("as", options.as), add("unit", options.unit), add("columns", options.columns);
+  return text;
 }
 
 std::string title_of(const ForeignTable& table, std::size_t column) {
   return column < table.titles.size() ? table.titles[column] : std::string();
 }
 
+/// Names a title one column?
+static bool is_alone(const ForeignTable& table, const std::string& title) {
+  return !title.empty() && std::count(table.titles.begin(), table.titles.end(), title) == 1;
+}
+
 std::string column_name(const ForeignTable& table, std::size_t column) {
   const std::string title = title_of(table, column);
-  return title.empty() ? "column " + std::to_string(column + 1) : "column '" + printable(title, 60) + "'";
+  return is_alone(table, title) ? "column '" + printable(title, 60) + "'" : "column " + std::to_string(column + 1);
 }
 
-std::string titles_in_words(const ForeignTable& table) {
+std::string format_in_words(const ForeignTable& table) {
   std::string text;
-  for (std::size_t k = 0; k < table.n_columns(); ++k) text += (k == 0 ? "" : ", ") + column_name(table, k);
-  return printable(text, 400);
-}
-
-std::string format_in_words(const CellFormat& format, std::size_t n_columns) {
-  std::string text;
-  if (n_columns > 1)
-    text = format.separator == '\t'  ? "tabs between"
-           : format.separator == ' ' ? "blanks between"
-                                     : std::string("'") + format.separator + "' between";
-  if (format.decimal == ',') text += (text.empty() ? "" : ", ") + std::string("decimal comma");
+  if (table.n_columns() > 1)
+    text = table.format.separator == '\t'  ? "tabs between"
+           : table.format.separator == ' ' ? "blanks between"
+                                           : std::string("'") + table.format.separator + "' between";
+  if (table.format.decimal == ',') text += (text.empty() ? "" : ", ") + std::string("decimal comma");
   return text;
 }
 
-namespace {
-
-std::string digits_of(std::string text) {
-  std::erase_if(text, [](char c) { return c < '0' || c > '9'; });
-  return text;
+std::optional<std::size_t> own_column(const ForeignTable& table, std::string_view title) {
+  const auto found = std::find(table.titles.begin(), table.titles.end(), title);
+  if (found == table.titles.end() || !is_alone(table, *found)) return std::nullopt;
+  return static_cast<std::size_t>(found - table.titles.begin());
 }
-
-/// A column by its exact title, or by its number from 1.
-std::size_t named_column(const ForeignTable& table, const std::string& wanted, const std::string& name) {
-  for (std::size_t k = 0; k < table.titles.size(); ++k)
-    if (table.titles[k] == wanted) return k;
-  const auto number = number_of(wanted, '.');
-  if (number && number->value >= 1.0 && number->value <= static_cast<double>(table.n_columns()) &&
-      number->value == std::floor(number->value))
-    return static_cast<std::size_t>(number->value) - 1;
-  throw FileError(name, "has no column '" + printable(wanted) + "' (found: " + titles_in_words(table) + ")");
-}
-
-}  // namespace
 
 std::optional<std::size_t> told_column(const ForeignTable& table, const ForeignOptions& options, std::string_view key,
                                        const std::string& name) {
@@ -86,54 +71,61 @@ std::optional<std::size_t> told_column(const ForeignTable& table, const ForeignO
     const std::size_t equals = part.find('=');
     if (equals == std::string_view::npos && !part.empty())
       throw InvalidArgument("--columns: '" + printable(part) + "' is no KEY=COLUMN, such as v=speed,eps=e");
-    if (part.substr(0, equals) == key) return named_column(table, std::string(part.substr(equals + 1)), name);
+    if (part.substr(0, equals) != key) continue;
+    const std::string_view wanted = part.substr(equals + 1);
+    if (const auto titled = own_column(table, wanted)) return titled;
+    const auto number = number_of(wanted, '.');
+    if (number && number->value >= 1.0 && number->value <= static_cast<double>(table.n_columns()) &&
+        number->value == std::floor(number->value))
+      return static_cast<std::size_t>(number->value) - 1;
+    std::string found;
+    for (std::size_t k = 0; k < table.n_columns(); ++k) found += (k == 0 ? "" : ", ") + column_name(table, k);
+    throw FileError(name, "has no column '" + printable(wanted) + "' (found: " + printable(found, 400) + ")");
   }
   return std::nullopt;
 }
 
-std::optional<std::size_t> own_column(const ForeignTable& table, const std::string& title) {
-  const auto found = std::find(table.titles.begin(), table.titles.end(), title);
-  if (found == table.titles.end()) return std::nullopt;
-  return static_cast<std::size_t>(found - table.titles.begin());
+std::optional<NumberCell> number_in(const ForeignTable& table, const ForeignTable::Row& row, std::size_t column,
+                                    const std::string& name) {
+  const std::optional<NumberCell> number = table.number(row, column);
+  if (number || row.cells[column].empty()) return number;
+  throw FileError(name, "line " + std::to_string(row.line) + ", " + column_name(table, column) + ": '" +
+                            printable(row.cells[column], 60) + "' is not a number; correct it, or delete the line");
 }
 
-bool is_summary(const ForeignTable::Row& row) {
-  constexpr std::array<std::string_view, 16> kSummaries{
-      "mean",   "average",    "avg", "sd",      "std",   "stdev",    "stddev", "dev",
-      "mittel", "mittelwert", "mw",  "moyenne", "media", "promedio", "median", ""};
-  return std::any_of(row.cells.begin(), row.cells.end(), [&](const std::string& cell) {
-    const std::vector<std::string> words =
-        cell.empty() || cell.front() <= '9' ? std::vector<std::string>{} : words_of(cell);
-    return !words.empty() && !words.front().empty() &&
-           std::all_of(words.begin(), words.end(), [&](const std::string& word) {
-             return std::find(kSummaries.begin(), kSummaries.end(), word) != kSummaries.end();
-           });
-  });
+std::string column_option(const ForeignTable& table, std::string_view key, std::size_t column) {
+  const std::string title = title_of(table, column);
+  const bool by_title = is_alone(table, title) && title.find_first_of(",=") == std::string::npos;
+  return std::string(key) + "=" + (by_title ? title : std::to_string(column + 1));
 }
 
-void check_one_ball(const ForeignTable& table, const std::string& name) {
-  constexpr std::array<std::string_view, 20> kBallWords{
-      "ball",    "kugel",  "balle", "bille", "palla",  "pallina",    "bola",      "pelota", "floor",    "plate",
-      "surface", "ground", "sol",   "boden", "platte", "untergrund", "pavimento", "suelo",  "material", "materiale"};
-  constexpr std::array<std::string_view, 4> kOfBall{"type", "kind", "name", "art"};
-  for (std::size_t k = 0; k < table.titles.size(); ++k) {
-    const std::vector<std::string> words = words_of(table.titles[k]);
-    const bool is_of_ball = std::all_of(words.begin(), words.end(), [&](const std::string& word) {
-      return word.empty() || has_word(word, kBallWords) || has_word(word, kOfBall);
-    });
-    if (!is_of_ball || !has_word(table.titles[k], kBallWords)) continue;
-    const ForeignTable::Row* first = nullptr;
-    for (const ForeignTable::Row& row : table.rows) {
-      if (row.cells[k].empty()) continue;
-      if (!first) first = &row;
-      // a number that is not whole is where the ball or the floor was
-      if (const auto number = row.number(k); number && number->value != std::floor(number->value)) break;
-      if (words_of(row.cells[k]) != words_of(first->cells[k]) || digits_of(row.cells[k]) != digits_of(first->cells[k]))
-        throw FileError(name, "line " + std::to_string(row.line) + ", " + column_name(table, k) + ": '" +
-                                  printable(row.cells[k], 60) + "' follows '" + printable(first->cells[k], 60) +
-                                  "'; a table is of one ball on one floor, so write one for each");
-    }
+void ask(const ForeignTable& table, const std::string& name, const std::string& question,
+         std::vector<AmbiguousTable::Reading> readings) {
+  std::vector<AmbiguousTable::Column> columns;
+  for (std::size_t k = 0; k < table.n_columns(); ++k) {
+    AmbiguousTable::Column column{title_of(table, k).empty() ? std::to_string(k + 1) : title_of(table, k), {}};
+    for (std::size_t row = 0; row < std::min<std::size_t>(3, table.rows.size()); ++row)
+      column.first_cells += (row == 0 ? "" : "  ") + printable(table.rows[row].cells[k], 50);
+    columns.push_back(std::move(column));
   }
+  throw AmbiguousTable(name, question, std::move(columns), std::move(readings));
+}
+
+void check_first_cells(const ForeignTable& table, const std::string& name) {
+  const ForeignTable::Row* word = nullptr;
+  std::size_t n_numbers = 0, n_words = 0;
+  for (const ForeignTable::Row& row : table.rows) {
+    if (table.number(row, 0)) ++n_numbers;
+    if (table.number(row, 0) || row.cells[0].empty()) continue;
+    ++n_words;
+    if (!word) word = &row;
+  }
+  if (n_numbers > n_words && word)
+    ask(table, name,
+        "line " + std::to_string(word->line) + " begins with '" + printable(word->cells[0], 60) +
+            "' where the others begin with a number; is it a measurement? Delete the line if it is none, and the word "
+            "if it is",
+        {});
 }
 
 int decimals_of(const std::vector<double>& roundings, double unit) {
@@ -155,7 +147,7 @@ void add_own_columns(const ForeignTable& foreign, const std::vector<ColumnSpec>&
         texts->push_back(row.cells[*column]);
         continue;
       }
-      const auto number = row.number(*column);
+      const auto number = foreign.number(row, *column);
       if (auto* wholes = std::get_if<std::vector<std::int64_t>>(&values.values)) {
         const bool is_whole = number && std::floor(number->value) == number->value && spec.range.holds(number->value);
         if (is_whole) wholes->push_back(static_cast<std::int64_t>(number->value));

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What the columns of other people's tables are called, and what they hold.
+// What the readers of times and of coefficients share: columns by option, by our titles, in words; questions.
 #pragma once
 
 #include <cstddef>
 #include <optional>
-#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -14,44 +13,33 @@
 
 namespace bouncelab {
 
-using Words = std::span<const std::string_view>;
-bool has_word(std::string_view title, Words wanted);
-
-/// Of the numbers of a column: how many rows have one, and whether they count 1, 2, 3 ... or 0, 1, 2 ..., of each drop
-/// anew perhaps
-struct Numbers {
-  std::size_t n = 0;
-  bool counts = true;
-};
-
-Numbers numbers_of(const ForeignTable& table, std::size_t column);
-
-/// Empty where the table names none.
+/// Empty where the table has no titles.
 std::string title_of(const ForeignTable& table, std::size_t column);
-/// For messages: its title, else its number from 1.
+/// For messages: "column 'Time (s)'", "column 2".
 std::string column_name(const ForeignTable& table, std::size_t column);
-std::string titles_in_words(const ForeignTable& table);
-std::string format_in_words(const CellFormat& format, std::size_t n_columns);
+std::string format_in_words(const ForeignTable& table);
 
-/// "v=speed,eps=e" -> the column that is to be `key`; absent where the text does not say. @throws InvalidArgument,
-/// FileError
+/// The column that --columns names for a key: "t=Time (s),drop=2". @throws InvalidArgument, FileError
 std::optional<std::size_t> told_column(const ForeignTable& table, const ForeignOptions& options, std::string_view key,
                                        const std::string& name);
-/// The column that is called as in tables of ours, which somebody saved again with other separators.
-std::optional<std::size_t> own_column(const ForeignTable& table, const std::string& title);
-/// Columns that have our names keep them, with their values.
+/// The column of an exact title; of two such neither is told.
+std::optional<std::size_t> own_column(const ForeignTable& table, std::string_view title);
+/// Columns that have our titles keep them, with their values.
 void add_own_columns(const ForeignTable& foreign, const std::vector<ColumnSpec>& own, const std::string& name,
                      Table& table);
 
-/// "Mean", "SD" below the values of a table.
-bool is_summary(const ForeignTable::Row& row);
-/// @throws FileError where a column is called ball, floor, material ... and has several of them
-void check_one_ball(const ForeignTable& table, const std::string& name);
+/// A number, nothing where the cell is empty. @throws FileError of any other cell, with its line and column
+std::optional<NumberCell> number_in(const ForeignTable& table, const ForeignTable::Row& row, std::size_t column,
+                                    const std::string& name);
 
 /// Digits behind the point of numbers in another unit, by their roundings: half of 10^-decimals each.
 int decimals_of(const std::vector<double>& roundings, double unit);
 
-/// Speeds and coefficients of restitution, rather than times?
-bool holds_samples(const ForeignTable& table);
+/// "t=Time (s)"; by number where the title stands twice or holds a sign of the option's own.
+std::string column_option(const ForeignTable& table, std::string_view key, std::size_t column);
+[[noreturn]] void ask(const ForeignTable& table, const std::string& name, const std::string& question,
+                      std::vector<AmbiguousTable::Reading> readings);
+/// Asks about a row that begins with a word where most begin with a number: a mean, a remark.
+void check_first_cells(const ForeignTable& table, const std::string& name);
 
 }  // namespace bouncelab

@@ -3,14 +3,13 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
+#include <chrono>
 #include <cmath>
-#include <initializer_list>
+#include <regex>
 #include <utility>
 
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/text.hpp"
-#include "tables/title_words.hpp"
 
 namespace bouncelab {
 namespace {
@@ -40,18 +39,6 @@ double rounding_of(std::string_view number) {
 
 }  // namespace
 
-std::vector<std::string> words_of(std::string_view title) {
-  std::vector<std::string> words(1);
-  for (const char c : title) {
-    const auto byte = static_cast<unsigned char>(c);
-    if (byte >= 0x80 || std::isalpha(byte) != 0)
-      words.back() += static_cast<char>(byte < 0x80 ? std::tolower(byte) : byte);
-    else if (!words.back().empty())
-      words.emplace_back();
-  }
-  return words;
-}
-
 std::vector<std::string_view> cells_of(std::string_view line, char separator) {
   std::vector<std::string_view> cells;
   if (separator == ' ') line = trimmed(line, kBlanks);
@@ -80,7 +67,8 @@ std::optional<NumberCell> plain_number_of(std::string_view cell, char decimal) {
   std::copy(cell.begin(), cell.end(), text.begin());
   const std::string_view number(text.data(), cell.size());
   if (decimal == ',') {
-    if (number.find('.') != std::string_view::npos) return std::nullopt;
+    // "1," is the number 1 and a separator
+    if (number.find('.') != std::string_view::npos || number.ends_with(',')) return std::nullopt;
     std::replace(text.begin(), text.end(), ',', '.');
   }
   double value = 0.0;
@@ -89,14 +77,30 @@ std::optional<NumberCell> plain_number_of(std::string_view cell, char decimal) {
   return NumberCell{value, rounding_of(number)};
 }
 
-}  // namespace
+/// Seconds since 1970 of "2026-11-28T10:00:00.5+01:00", "2026-11-28 10:00:00"; without a zone as if it were UTC.
+std::optional<NumberCell> date_and_time(const std::string& cell) {
+  static const std::regex kForm(
+      R"((\d{4})-(\d\d)-(\d\d)[T ](\d\d):(\d\d):(\d\d)(?:[.,](\d{1,12}))?(?:Z|([+-])(\d\d):?(\d\d))?)");
+  std::smatch part;
+  if (constexpr std::size_t kLongest = 40; cell.size() > kLongest || !std::regex_match(cell, part, kForm)) return {};
+  const auto number = [&](std::size_t k) { return part[k].length() == 0 ? 0 : std::stoi(part[k]); };
+  const std::chrono::year_month_day day{std::chrono::year(number(1)),
+                                        std::chrono::month(static_cast<unsigned>(number(2))),
+                                        std::chrono::day(static_cast<unsigned>(number(3)))};
+  if (!day.ok()) return std::nullopt;
+  const std::optional<NumberCell> fraction = plain_number_of("0." + part[7].str() + "e0", '.');
+  const double zone_s = (part[8] == "-" ? -60.0 : 60.0) * (60 * number(9) + number(10));
+  const auto days = static_cast<double>(std::chrono::sys_days(day).time_since_epoch().count());
+  return NumberCell{86400.0 * days + 3600.0 * number(4) + 60.0 * number(5) + number(6) - zone_s + fraction->value,
+                    fraction->rounding, true};
+}
 
-std::optional<NumberCell> number_of(std::string_view cell, char decimal) {
+/// "1:02:03.5", "62:03.5": hours and minutes are whole numbers.
+std::optional<NumberCell> clock_time(std::string_view cell, char decimal) {
   const std::size_t colon = cell.rfind(':');
-  if (colon == std::string_view::npos) return plain_number_of(cell, decimal);
-  // a clock time: hours and minutes are whole numbers
   std::optional<NumberCell> result = plain_number_of(cell.substr(colon + 1), decimal);
   if (!result || !(result->value >= 0.0 && result->value < 60.0)) return std::nullopt;
+  result->is_clock = true;
   double unit_s = 60.0;
   std::string_view rest = cell.substr(0, colon);
   for (int k = 0; k < 2; ++k, unit_s *= 60.0) {
@@ -105,95 +109,80 @@ std::optional<NumberCell> number_of(std::string_view cell, char decimal) {
     if (digits.empty() || digits.size() > 4 || digits.find_first_not_of("0123456789") != std::string_view::npos)
       return std::nullopt;
     result->value += unit_s * plain_number_of(digits, '.')->value;
-    if (before == std::string_view::npos) {
-      result->is_clock = true;
-      return result;
-    }
+    if (before == std::string_view::npos) return result;
     rest = rest.substr(0, before);
   }
   return std::nullopt;
 }
 
-std::optional<CellFormat> format_of(std::string_view line) {
-  constexpr std::array<CellFormat, 7> kFormats{
-      {{'\t', '.'}, {'\t', ','}, {';', '.'}, {';', ','}, {',', '.'}, {' ', '.'}, {' ', ','}}};
-  for (const CellFormat& format : kFormats) {
-    if (format.separator != ' ' && line.find(format.separator) == std::string_view::npos) continue;
-    int n_numbers = 0, n_others = 0;
-    for (const std::string_view cell : cells_of(line, format.separator)) {
-      if (cell.empty()) continue;
-      ++(number_of(cell, format.decimal) ? n_numbers : n_others);
-    }
-    if (n_numbers > 0 && n_others == 0) return format;
-  }
-  return std::nullopt;
+}  // namespace
+
+std::optional<NumberCell> number_of(std::string_view cell, char decimal) {
+  if (cell.find(':') == std::string_view::npos) return plain_number_of(cell, decimal);
+  return cell.find('-') == std::string_view::npos ? clock_time(cell, decimal) : date_and_time(std::string(cell));
 }
 
-bool is_ambiguous(std::string_view line, const CellFormat& format) {
-  if (format.separator != ',') return false;
-  const std::vector<std::string_view> cells = cells_of(line, ',');
-  const auto is_digits = [](std::string_view cell) {
-    return !cell.empty() && std::all_of(cell.begin(), cell.end(), [](char c) { return c >= '0' && c <= '9'; });
-  };
-  const auto without_sign = [](std::string_view cell) {
-    return cell.substr(!cell.empty() && (cell.front() == '-' || cell.front() == '+') ? 1 : 0);
-  };
-  return cells.size() == 2 && is_digits(without_sign(cells[0])) && is_digits(cells[1]);
+std::vector<CellFormat> formats_of(std::string_view line) {
+  std::vector<CellFormat> formats;
+  if (const std::string_view whole = trimmed(line, kBlanks); number_of(whole, '.') && whole.find(' ') != whole.npos)
+    return {{'\0', '.'}};  // date and time
+  for (const char separator : {'\t', ';', ',', ' '})
+    for (const char decimal : {'.', ','}) {
+      if (decimal == ',' && (separator == ',' || line.find(',') == std::string_view::npos)) continue;
+      if (separator != ' ' ? line.find(separator) == line.npos : line.find_first_of("\t;") != line.npos) continue;
+      int n_numbers = 0, n_others = 0;
+      for (const std::string_view cell : cells_of(line, separator))
+        if (!cell.empty()) ++(number_of(cell, decimal) ? n_numbers : n_others);
+      if (n_numbers > 0 && n_others == 0) formats.push_back({separator, decimal});
+    }
+  return formats;
 }
 
 namespace {
 
-bool holds_any(const std::vector<std::string>& words, std::initializer_list<std::string_view> of) {
-  return std::any_of(words.begin(), words.end(),
-                     [&](const std::string& word) { return std::find(of.begin(), of.end(), word) != of.end(); });
-}
+struct KnownUnit {
+  std::string_view name;
+  Dimension dimension;
+  double si;
+};
+constexpr std::array<KnownUnit, 20> kUnits{
+    {{"s", Dimension::time, 1.0},          {"sec", Dimension::time, 1.0},         {"ms", Dimension::time, 1e-3},
+     {"us", Dimension::time, 1e-6},        {"\xC2\xB5s", Dimension::time, 1e-6},  // micro sign
+     {"\xCE\xBCs", Dimension::time, 1e-6},                                        // Greek mu
+     {"min", Dimension::time, 60.0},       {"m", Dimension::length, 1.0},         {"cm", Dimension::length, 1e-2},
+     {"mm", Dimension::length, 1e-3},      {"in", Dimension::length, 0.0254},     {"ft", Dimension::length, 0.3048},
+     {"mps", Dimension::speed, 1.0},       {"m/s", Dimension::speed, 1.0},        {"cm/s", Dimension::speed, 1e-2},
+     {"mm/s", Dimension::speed, 1e-3},     {"km/h", Dimension::speed, 1.0 / 3.6}, {"mph", Dimension::speed, 0.44704},
+     {"ft/s", Dimension::speed, 0.3048},   {"in/s", Dimension::speed, 0.0254}}};
 
-bool says_time(const std::vector<std::string>& words) {
-  return holds_any(words, {"time", "t", "zeit", "temps", "tiempo", "tempo", "tid"});
+const KnownUnit* unit_named(std::string_view name) {
+  const auto* const known =
+      std::find_if(kUnits.begin(), kUnits.end(), [&](const KnownUnit& unit) { return unit.name == name; });
+  return known == kUnits.end() ? nullptr : known;
 }
 
 }  // namespace
 
-std::optional<double> time_unit_s(std::string_view title) {
-  constexpr std::array<std::pair<std::string_view, double>, 21> kUnits{
-      {{"s", 1.0},           {"sec", 1.0},        {"second", 1.0},       {"seconds", 1.0},       {"sekunde", 1.0},
-       {"sekunden", 1.0},    {"seconde", 1.0},    {"secondes", 1.0},     {"segundos", 1.0},      {"cs", 1e-2},
-       {"ds", 0.1},          {"ms", 1e-3},        {"millisecond", 1e-3}, {"milliseconds", 1e-3}, {"us", 1e-6},
-       {"\xC2\xB5s", 1e-6},  {"\xCE\xBCs", 1e-6}, {"microsecond", 1e-6}, {"microseconds", 1e-6}, {"ns", 1e-9},
-       {"nanoseconds", 1e-9}}};
-  const std::vector<std::string> words = words_of(title);
-  for (const std::string& word : words)
-    for (const auto& [name, unit_s] : kUnits)
-      if (word == name) return unit_s;
-  // by itself "min" is the least of something, and h a height
-  if (says_time(words) && holds_any(words, {"min", "minute", "minutes", "minuten", "minutos"})) return 60.0;
-  if (says_time(words) && holds_any(words, {"h", "hour", "hours", "stunden", "heures", "horas"})) return 3600.0;
-  return std::nullopt;
-}
-
-bool names_derived(std::string_view title) {
-  for (const std::string_view sign : {"^2", "^3", "**", "10^", "\xC2\xB2", "\xC2\xB3", "\xE2\x88\x9A"})
-    if (title.find(sign) != std::string_view::npos) return true;
-  constexpr std::string_view kDigits = "0123456789";
-  for (std::size_t begin = 0; begin <= title.size();) {
-    const std::size_t end = std::min(title.find_first_of("()[]", begin), title.size());
-    const std::string_view part = trimmed(title.substr(begin, end - begin), kBlanks);
-    // something is taken from a number or divides it
-    const std::size_t sign = part.find_first_not_of("0123456789. ");
-    if (part.find_first_of(kDigits) == 0 && sign < part.size() && (part[sign] == '-' || part[sign] == '/')) return true;
-    const bool is_in_brackets = end < title.size() && (title[end] == ')' || title[end] == ']');
-    if (is_in_brackets && part.find_first_of(kDigits) != std::string_view::npos && time_unit_s(part)) return true;
-    begin = end + 1;
+std::optional<TitleUnit> unit_of_title(std::string_view title) {
+  title = trimmed(title, kBlanks);
+  const auto made = [](const KnownUnit* unit, std::string_view quantity) -> std::optional<TitleUnit> {
+    if (unit == nullptr) return std::nullopt;
+    return TitleUnit{unit->dimension, unit->si, std::string(unit->name), std::string(trimmed(quantity, kBlanks))};
+  };
+  if (title.ends_with(')') || title.ends_with(']')) {
+    const std::size_t open = title.rfind(title.back() == ')' ? '(' : '[');
+    if (open == std::string_view::npos) return std::nullopt;
+    return made(unit_named(trimmed(title.substr(open + 1, title.size() - open - 2), kBlanks)), title.substr(0, open));
   }
-  return holds_any(
-      words_of(title),
-      {"sqrt",        "log",          "ln",      "lg",          "squared", "half",     "halbe", "rate",   "hz",
-       "frequency",   "frequenz",     "contact", "kontaktzeit", "sigma",   "\xCF\x83", "error", "err",    "fehler",
-       "uncertainty", "unsicherheit", "std",     "stdev",       "sd",      "inverse",  "loss",  "verlust"});
+  if (const std::size_t slash = title.find('/'); slash != std::string_view::npos) {
+    const std::string_view quantity = trimmed(title.substr(0, slash), kBlanks);
+    return unit_named(quantity) != nullptr ? std::nullopt  // "m/s" alone
+                                           : made(unit_named(trimmed(title.substr(slash + 1), kBlanks)), quantity);
+  }
+  // "v_in" and "t_min" are no inches and no minutes
+  const std::size_t line = title.rfind('_');
+  const std::string_view unit = line == std::string_view::npos ? "" : title.substr(line + 1);
+  return unit == "in" || unit == "min" ? std::nullopt : made(unit_named(unit), title.substr(0, line));
 }
-
-bool names_time(std::string_view title) { return says_time(words_of(title)); }
-
-bool is_time_title(std::string_view title) { return says_time(words_of(title)) || time_unit_s(title).has_value(); }
 
 }  // namespace bouncelab

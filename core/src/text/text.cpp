@@ -197,4 +197,12 @@ std::string nearest_name(std::string_view typed, const std::vector<std::string>&
   return best;
 }
 
+std::string shell_word(std::string_view text) {
+  constexpr std::string_view kPlain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_=,./:+@%-";
+  if (!text.empty() && text.find_first_not_of(kPlain) == std::string_view::npos) return std::string(text);
+  std::string word = "'";
+  for (const char c : text) word += c == '\'' ? std::string("'\\''") : std::string{c};
+  return word + "'";
+}
+
 }  // namespace bouncelab

@@ -141,7 +141,7 @@ std::unique_ptr<TableReader> open_onsets(const fs::path& path, const ForeignFile
   }
   const std::string name = input_name(path);
   const std::string text = decoded_text(whole_content(path), name);
-  TakenTable taken = onsets_from_foreign(read_foreign_table(text, name), name, said);
+  TakenTable taken = onsets_from_foreign(read_foreign_table(text, name, said), name, said);
   taken_for.push_back(line_of(path, taken.taken_for));
   return std::make_unique<TableInMemory>(std::move(taken.table));
 }
@@ -159,7 +159,7 @@ std::unique_ptr<TableReader> open_samples(const fs::path& path, const ForeignOpt
     return open_table(path, sample_columns());
   const std::string name = input_name(path);
   TakenTable taken =
-      samples_from_foreign(read_foreign_table(decoded_text(whole_content(path), name), name), name, options);
+      samples_from_foreign(read_foreign_table(decoded_text(whole_content(path), name), name, options), name, options);
   taken_for.push_back(line_of(path, taken.taken_for));
   return std::make_unique<TableInMemory>(std::move(taken.table));
 }

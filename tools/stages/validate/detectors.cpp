@@ -83,8 +83,6 @@ std::string replaced(std::string text, const std::string& from, const std::strin
   return text;
 }
 
-std::string quoted(const std::string& text) { return "'" + replaced(text, "'", "'\\''") + "'"; }
-
 double thread_time_s() {
   std::timespec now{};
   ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
@@ -122,8 +120,8 @@ void detect_by_program(const Detector& detector, const ValidateOptions& options,
     throw FileError(sound.string(), "cannot be copied for the detector (" + error.message() + ")");
   std::vector<std::string> arguments = detector.arguments;
   for (std::string& argument : arguments) {
-    argument = replaced(argument, "{wav}", detector.has_shell ? quoted(copy.string()) : copy.string());
-    argument = replaced(argument, "{out}", detector.has_shell ? quoted(file.string()) : file.string());
+    argument = replaced(argument, "{wav}", detector.has_shell ? shell_word(copy.string()) : copy.string());
+    argument = replaced(argument, "{out}", detector.has_shell ? shell_word(file.string()) : file.string());
   }
   const ChildLimits limits{0.0, 0, options.time_limit_s};
   const ProgramResult result =

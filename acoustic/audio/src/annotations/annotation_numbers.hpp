@@ -41,8 +41,8 @@ inline double checked_time(double t_s, const std::string& name, const std::strin
   return t_s;
 }
 
-/// parse_audacity_labels() of a table that was read.
-Annotations labels_of(const ForeignTable& table, const std::string& name);
+/// Begin, end and text with tabs between, as Audacity has them, not a table that names its columns.
+bool are_labels(std::string_view text);
 
 /// A tier of a TextGrid, or a layer.
 struct Tier {

@@ -12,6 +12,7 @@
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/foreign_table.hpp"
 #include "bouncelab/core/text.hpp"
+#include "io/numbers.hpp"
 
 namespace bouncelab::audio {
 namespace {
@@ -278,15 +279,6 @@ Marks marks_in(std::string_view head) {
   return text.substr(0, kFirstLine).find("\"ooTextFile\"") != std::string_view::npos ? Marks::text_grid : Marks::none;
 }
 
-/// Begin, end and text with tabs between, as Audacity has them, not a table that names its columns.
-bool are_labels(const ForeignTable& table) {
-  if (!table.titles.empty() || table.format.separator != '\t' || table.n_columns() < 2) return false;
-  return std::all_of(table.rows.begin(), table.rows.end(), [](const ForeignTable::Row& row) {
-    const auto begin = row.number(0), end = row.number(1);
-    return begin && end && end->value >= begin->value;
-  });
-}
-
 bool is_binary(std::string_view text) {
   return std::any_of(text.begin(), text.end(), [](char c) {
     const auto byte = static_cast<unsigned char>(c);
@@ -313,8 +305,7 @@ std::optional<Annotations> marks_of_file(std::string_view bytes, const std::stri
     default:
       break;
   }
-  const ForeignTable table = read_foreign_table(text, name);
-  return are_labels(table) ? std::optional(labels_of(table, name)) : std::nullopt;
+  return are_labels(text) ? std::optional(parse_audacity_labels(text, name)) : std::nullopt;
 }
 
 Onsets onsets_of_file(std::string_view bytes, const std::string& name, const ForeignOptions& options,
@@ -329,7 +320,7 @@ Onsets onsets_of_file(std::string_view bytes, const std::string& name, const For
       return onsets_of(*std::move(marks), false, name);
     }
   }
-  TakenTable taken = onsets_from_foreign(read_foreign_table(decoded_text(bytes, name), name), name, options);
+  TakenTable taken = onsets_from_foreign(read_foreign_table(decoded_text(bytes, name), name, options), name, options);
   taken_for = std::move(taken.taken_for);
   return onsets_from_table(taken.table, name);
 }
@@ -350,10 +341,11 @@ bool holds_times(std::string_view head, bool is_whole) {
     // the last line of a part may be cut off
     if (!is_whole) text.resize(text.rfind('\n') + 1);
     constexpr double kLongestStep_s = 1.0 / 4000.0;  // of the lowest rate of a sound
-    const auto step_s = uniform_step_s(read_foreign_table(text, ""));
-    return !step_s || *step_s > kLongestStep_s;
+    std::istringstream rows(text);
+    const std::optional<double> step_s = step_of_number_text(rows);
+    return !step_s || *step_s <= 0.0 || *step_s > kLongestStep_s;
   } catch (const FileError&) {
-    return false;
+    return true;  // the reader of times says what is wrong with its rows
   }
 }
 

@@ -152,27 +152,60 @@ std::string audacity_labels(const Annotations& annotations) {
   return text;
 }
 
-Annotations parse_audacity_labels(std::string_view text, const std::string& name) {
-  return labels_of(read_foreign_table(text, name), name);
+namespace {
+
+/// Begin, end and text with tabs between; a line of frequencies begins with a backslash.
+struct Label {
+  std::size_t line = 0;
+  std::vector<std::string_view> cells;
+};
+std::vector<Label> label_lines(std::string_view text) {
+  std::vector<Label> labels;
+  for (std::size_t line = 1; !text.empty(); ++line) {
+    const std::size_t end = std::min(text.find('\n'), text.size());
+    const std::string_view one = text.substr(0, end);
+    if (one.find_first_not_of(" \t\r") != std::string_view::npos && one.front() != '\\' && one.front() != '#')
+      labels.push_back({line, cells_of(one, '\t')});
+    text.remove_prefix(std::min(end + 1, text.size()));
+  }
+  return labels;
 }
 
-Annotations labels_of(const ForeignTable& table, const std::string& name) {
+std::optional<double> time_in(std::string_view cell) {
+  auto number = number_of(cell, '.');
+  if (!number) number = number_of(cell, ',');
+  return number ? std::optional(number->value) : std::nullopt;
+}
+
+}  // namespace
+
+bool are_labels(std::string_view text) {
+  const std::vector<Label> labels = label_lines(text);
+  return !labels.empty() && std::all_of(labels.begin(), labels.end(), [](const Label& label) {
+    if (label.cells.size() < 2) return false;
+    const auto begin = time_in(label.cells[0]), end = time_in(label.cells[1]);
+    if (!begin || !end || *begin == *end) return begin && end;
+    // of a region; "1 400 x", a row's number and its time, has no decimals, and "0.4 1.0 1.51" no text
+    const auto has_decimals = [](std::string_view cell) { return cell.find_first_of(".,") != std::string_view::npos; };
+    return *end > *begin && label.cells.size() == 3 && has_decimals(label.cells[0]) && has_decimals(label.cells[1]) &&
+           !time_in(label.cells[2]);
+  });
+}
+
+Annotations parse_audacity_labels(std::string_view text, const std::string& name) {
   Annotations result;
   result.resolution_s = 1e-6;
-  if (table.n_left_out > 0)
-    throw FileError(name, "line " + std::to_string(table.first_left_out) +
-                              " begins with no time; a label of Audacity is begin, end and text with tabs between");
-  result.points.reserve(table.rows.size());
-  for (const ForeignTable::Row& row : table.rows) {
-    const std::string place = "line " + std::to_string(row.line);
-    const auto t = row.number(0);
-    if (!t)
-      throw FileError(name, place + ": '" + printable(row.cells[0]) +
+  for (const Label& label : label_lines(text)) {
+    const std::string place = "line " + std::to_string(label.line);
+    const std::optional<double> t_s = time_in(label.cells[0]);
+    if (!t_s)
+      throw FileError(name, place + ": '" + printable(label.cells[0]) +
                                 "' is no time; a label of Audacity is begin, end and text with tabs between");
     Annotation point;
-    point.t_s = checked_time(t->value, name, place);
-    // begin, end, text: a text in front of them would have no number
-    if (row.cells.size() > 2 || (row.cells.size() == 2 && !row.number(1))) point.label = row.cells.back();
+    point.t_s = checked_time(*t_s, name, place);
+    // a text in place of the end would have no number
+    if (label.cells.size() > 2 || (label.cells.size() == 2 && !time_in(label.cells[1])))
+      point.label = label.cells.back();
     std::replace(point.label.begin(), point.label.end(), '\t', ' ');  // which would part it when it is written
     result.points.push_back(std::move(point));
   }

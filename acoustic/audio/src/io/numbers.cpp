@@ -66,20 +66,20 @@ class NumberRows {
  private:
   /// Whether the numbers begin with this line.
   bool begin(const std::string& line) {
-    const std::optional<CellFormat> format = format_of(line);
-    if (!format) {
+    const std::vector<CellFormat> formats = formats_of(line);
+    if (formats.empty()) {
       if (titles_.size() == kMostTitleLines)
         throw FileError(lines_.name(), "line " + std::to_string(lines_.number()) +
                                            ": no numbers up to here; a table of samples or a recording is needed");
       titles_.push_back(line);
       return false;
     }
-    format_ = *format;
-    const bool has_titles =
+    const bool has_commas =
         std::any_of(titles_.begin(), titles_.end(), [](const std::string& t) { return t.find(',') != t.npos; });
-    if (is_ambiguous(line, format_) && !has_titles)
+    if (formats.size() > 1 && !has_commas)
       throw FileError(lines_.name(), "line " + std::to_string(lines_.number()) + ": " + printable(line) +
                                          " is one number or two; write a decimal point, or separate by ;");
+    format_ = formats.front();
     const std::vector<std::string_view> cells = cells_of(line, format_.separator);
     n_cells_ = cells.size();
     for (std::size_t k = 0; k < cells.size(); ++k)
@@ -119,7 +119,8 @@ enum class FirstColumn { sample, index, time };
 /// What the first column is, by its title and its first rows.
 FirstColumn first_column_of(const NumberRows& table, const std::vector<Row>& rows) {
   if (table.n_columns() < 2) return FirstColumn::sample;
-  if (is_time_title(table.title(0))) return FirstColumn::time;
+  const auto unit = unit_of_title(table.title(0));
+  if (unit && unit->dimension == Dimension::time) return FirstColumn::time;
   if (rows.size() < 3) return FirstColumn::sample;
   const double step = rows[1].cells[0].value - rows[0].cells[0].value;
   for (std::size_t k = 1; k < rows.size(); ++k) {
@@ -129,6 +130,11 @@ FirstColumn first_column_of(const NumberRows& table, const std::vector<Row>& row
       return FirstColumn::sample;
   }
   return step == 1.0 ? FirstColumn::index : FirstColumn::time;
+}
+
+double unit_of_times(const NumberRows& table) {
+  const auto unit = unit_of_title(table.title(0));
+  return unit && unit->dimension == Dimension::time ? unit->si : 1.0;
 }
 
 /// The times of samples as a table gives them, which must be uniform: t_k = t_0 + k/rate to a quarter of a step, or as
@@ -212,6 +218,16 @@ bool is_text(SoundBytes& bytes) {
          });
 }
 
+std::optional<double> step_of_number_text(std::istream& in) {
+  constexpr std::size_t kLeastRows = 8;
+  NumberRows table(in, "");
+  std::vector<Row> rows;
+  Row row;
+  while (rows.size() < kRowsToDecide && table.next(row)) rows.push_back(row);
+  if (rows.size() < kLeastRows || first_column_of(table, rows) != FirstColumn::time) return std::nullopt;
+  return unit_of_times(table) * (rows[1].cells[0].value - rows[0].cells[0].value);
+}
+
 SoundInfo read_number_text(std::istream& in, const std::string& name, std::optional<double> rate_hz,
                            DecodedSamples& samples) {
   NumberRows table(in, name);
@@ -226,7 +242,7 @@ SoundInfo read_number_text(std::istream& in, const std::string& name, std::optio
     throw FileError(name, "holds numbers without times; give their sampling rate: --rate 48000");
 
   const std::size_t n_skipped = first_column == FirstColumn::sample ? 0 : 1;
-  const double unit_s = has_times ? time_unit_s(table.title(0)).value_or(1.0) : 1.0;
+  const double unit_s = unit_of_times(table);
   SoundInfo info;
   TimeGrid times(name);
   std::vector<float> waiting;

@@ -24,11 +24,15 @@ PlainSound npy_sound(SoundBytes& bytes, const std::string& name, std::optional<d
 /// Whether a file may be a table: no control characters in its first bytes.
 bool is_text(SoundBytes& bytes);
 
+/// The step of the first column of such a table, where that is a time [s]; read from its first rows.
+/// @throws FileError where these are no numbers
+std::optional<double> step_of_number_text(std::istream& in);
+
 /// Samples as a table of text, as phyphox and oscilloscopes export them: columns by tab, semicolon, comma or blanks;
 /// decimal point, or decimal comma where the comma does not separate; lines in front that are no numbers (titles,
 /// units), empty ones and those that begin with # are passed over.
 ///
-/// A first column that its title says to be time (in s, ms, us, ns), or that grows by equal steps, gives the sampling
+/// A first column whose title has a unit of time, or that grows by equal steps, gives the sampling
 /// rate; one that counts 0, 1, 2 ... is passed over. Every other column is a channel, full scale = 1.
 /// @param in       the table's text, read to its end. @param name  for messages
 /// @param rate_hz  of a table without times

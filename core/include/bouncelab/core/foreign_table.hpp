@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "bouncelab/core/description.hpp"
+#include "bouncelab/core/error.hpp"
 #include "bouncelab/core/table.hpp"
 
 namespace bouncelab {
@@ -26,53 +26,87 @@ std::vector<std::string_view> cells_of(std::string_view line, char separator);
 struct NumberCell {
   double value = 0.0;
   double rounding = 0.0;  ///< half a unit of the last digit
-  bool is_clock = false;  ///< was H:M:S or M:S, and is in seconds
+  bool is_clock = false;  ///< the cell was H:M:S, M:S, or a date and time (ISO 8601); the value is in seconds
 };
-/// A finite number: "0.5", "5,0E-1" with a decimal comma, "00:00:00.500".
+/// A finite number: "0.5", "5,0E-1" with a decimal comma, "00:00:00.500", "2026-11-28T10:00:00.5+01:00".
 std::optional<NumberCell> number_of(std::string_view cell, char decimal);
 
-/// The format in which all cells of a line that are not empty are numbers, at least one; nothing where there is none.
-std::optional<CellFormat> format_of(std::string_view line);
+/// The formats in which every cell of a line is a number or empty, at least one of them a number. Several where "0,5"
+/// may be one number or two; none where the line holds a word.
+std::vector<CellFormat> formats_of(std::string_view line);
 
-/// "0,0021" and nothing else: one number or two.
-bool is_ambiguous(std::string_view line, const CellFormat& format);
+enum class Dimension { time, length, speed };
 
-/// The unit of time that a title names [s]: "Time (ms)", "t_us", "seconds"; nothing where it names none.
-std::optional<double> time_unit_s(std::string_view title);
-/// Whether a title says time, in one of several languages, or names a unit of time.
-bool is_time_title(std::string_view title);
+/// A unit, and the quantity that a title names beside it.
+struct TitleUnit {
+  Dimension dimension = Dimension::time;
+  double si = 1.0;  ///< in s, m or m/s
+  std::string name, quantity;
+};
+/// The whole unit in "Time (s)", "t [ms]", "time / s", "time_ms", "v (m/s)"; absent where a title names none:
+/// "Time (10^-3 s)", "T^2 (s^2)", "Time".
+std::optional<TitleUnit> unit_of_title(std::string_view title);
 
-/// A table that another program or a person wrote: rows of cells, as far as they hold numbers.
+/// A table that another program or a person wrote.
 struct ForeignTable {
   struct Row {
     std::size_t line = 0;  ///< of the file, from 1
-    char decimal = '.';
-    std::vector<std::string> cells;
-    /// That of a cell, where it is one.
-    std::optional<NumberCell> number(std::size_t column) const { return number_of(cells[column], decimal); }
+    bool follows_blank = false;
+    std::vector<std::string> cells;  ///< as many as the table has columns
   };
   CellFormat format;
   std::vector<std::string> titles;  ///< of the columns; empty where no line names them
-  std::vector<Row> rows;            ///< those with a number, each of titles.size() or more cells
-  std::size_t n_left_out = 0;       ///< lines behind the first row that hold no number
-  std::size_t first_left_out = 0;   ///< the first of them
+  std::vector<Row> rows;            ///< at least one
 
-  std::size_t n_columns() const { return rows.empty() ? 0 : rows.front().cells.size(); }
+  std::size_t n_columns() const { return rows.front().cells.size(); }
+  std::optional<NumberCell> number(const Row& row, std::size_t column) const {
+    return number_of(row.cells[column], format.decimal);
+  }
 };
 
-/// Separator and decimal sign are those by which the most rows have numbers.
-/// @param text  UTF-8 (decoded_text)
-/// @throws FileError: no line holds a number, one number or two ("0,0021"), more than 1,024 columns
-ForeignTable read_foreign_table(std::string_view text, const std::string& name);
-
-/// What a reader is told of a file that is not ours. "auto", empty: found from the file.
+/// What a reader is told of a file that is not ours. "auto", empty: the file has to prove it.
 struct ForeignOptions {
   std::string as = "auto";    ///< or "times", "intervals"
   std::string unit = "auto";  ///< or "s", "ms", "us"
-  std::string columns;        ///< "v=speed,eps=e": which of its columns, by title or by number from 1
+  std::string columns;        ///< "t=Time (s),drop=2", "v=speed,eps=e": columns by title or by number from 1
 
   bool tells() const { return as != "auto" || unit != "auto" || !columns.empty(); }
 };
+
+/// A table that does not prove what its numbers are. Exit code 2, as of an argument that is missing.
+class AmbiguousTable : public InvalidArgument {
+ public:
+  struct Column {
+    std::string title, first_cells;  ///< its title or number; its first three cells
+  };
+  struct Reading {
+    std::string meaning;  ///< "intervals in s"
+    ForeignOptions options;
+  };
+  AmbiguousTable(const std::string& file, const std::string& question, std::vector<Column> columns,
+                 std::vector<Reading> readings);
+  /// With the file's name, without the readings, which what() has too.
+  const std::string& question() const { return question_; }
+  const std::vector<Column>& columns() const { return columns_; }
+  const std::vector<Reading>& readings() const { return readings_; }
+
+ private:
+  std::string question_;
+  std::vector<Column> columns_;
+  std::vector<Reading> readings_;
+};
+/// As on a command line: --as intervals --columns 't=Time (s)'.
+std::string command_line_of(const ForeignOptions& options);
+
+/// The cells of a table. The line above the first row of numbers names the columns, and settles by what stands between
+/// its titles (tab, ; or ,; else blanks) the separator of all rows; the lines above that line are passed over. Without
+/// titles the separator is the one by which all rows have the same number of cells, all of them numbers. The decimal
+/// sign is a comma where a cell needs one. Lines that begin with # are comments as far as the titles, not below.
+/// @param text     UTF-8 (decoded_text)
+/// @param options  of two readings of "0,5" without titles, --as takes one number and --columns two
+/// @throws FileError: no line holds a number, a row of another length, more than 1,024 columns
+/// @throws AmbiguousTable: one number or two ("0,0021")
+ForeignTable read_foreign_table(std::string_view text, const std::string& name, const ForeignOptions& options = {});
 
 /// A table of ours made of one that is not.
 struct TakenTable {
@@ -80,12 +114,10 @@ struct TakenTable {
   std::string taken_for;  ///< what it was taken for, in a few words for people
 };
 
-/// Impact times, or the intervals between them, as the table of onsets that onsets_from_table reads. Columns are chosen
-/// by their titles, else by their numbers; a row of at least three is read like a column. Where no column tells the
-/// drops apart, one begins where times go back, an interval is kMissed times as long as either of the two before it (of
-/// times), or an interval grows by half (of intervals).
-/// @throws FileError with the remedy: no column of times, a unit that cannot be told, times that are equally spaced as
-///         a video's are
+/// Impact times, or the intervals between them, as the table of onsets that onsets_from_table reads; docs/formats.md,
+/// "Files of other programs", has the rule.
+/// @throws FileError: a cell that is not a number, a gap, a time that stands twice
+/// @throws AmbiguousTable: what the numbers are, or which of them, is not proved
 TakenTable onsets_from_foreign(const ForeignTable& table, const std::string& name, const ForeignOptions& options);
 
 /// Of several drops in a row a new one begins where an interval is so many times either of the two before it: with one
@@ -96,11 +128,8 @@ inline constexpr double kMissed = 3.0;
 std::vector<std::int64_t> drops_of(std::span<const double> t_s);
 
 /// Speeds and coefficients of restitution that others measured, as the table that samples_from_table reads.
-/// @throws FileError with the remedy: columns that cannot be told
+/// @throws FileError: a cell that is not a number, a unit that is not of a speed, coefficients per cent
+/// @throws AmbiguousTable: no columns v_mps and eps, and none named
 TakenTable samples_from_foreign(const ForeignTable& table, const std::string& name, const ForeignOptions& options);
-
-/// Where its times are equally spaced, at least eight of two or more columns, their step [s]: samples of a sound,
-/// frames of a video.
-std::optional<double> uniform_step_s(const ForeignTable& table);
 
 }  // namespace bouncelab

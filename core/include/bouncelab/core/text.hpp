@@ -28,6 +28,9 @@ inline constexpr std::size_t kMessage_characters = 1000;
 /// @return at most `limit` characters, valid UTF-8
 std::string printable(std::string_view text, std::size_t limit = kQuoted_characters);
 
+/// A text as one word of a POSIX shell: as it is, or within '...'.
+std::string shell_word(std::string_view text);
+
 /// The number of bytes (1 to 4) of the valid UTF-8 character that `text` begins with; 0 where there is none.
 std::size_t utf8_character(std::string_view text);
 
