@@ -150,7 +150,7 @@ TEST_F(ForeignFiles, ATableMayComeThroughAPipe) {
     EXPECT_EQ(piped("\"$B\" " + command + " --out piped"), answer) << command;
   ASSERT_EQ(run("restitution own.csv --out s.jsonl").exit_code, 0);
   write("s16.csv", utf16(content("s.csv")));
-  write("e.csv", "v (m/s);COR\n2,9;0,90\n2,6;0,90\n2,4;0,90\n2,1;0,91\n1,9;0,90\n");
+  write("e.csv", "v_mps;eps\n2,9;0,90\n2,6;0,90\n2,4;0,90\n2,1;0,91\n1,9;0,90\n");
   write("e16.csv", utf16(content("e.csv")));
   for (const std::string name : {"s.csv", "s16.csv", "s.jsonl", "e.csv", "e16.csv"}) {
     piped("cat " + name + " | \"$B\" fit - --out piped.json");

@@ -328,8 +328,8 @@ TEST(ForeignTable, ATitlesUnitIsWholeOrNone) {
     for (std::size_t k = 1; k < c.size(); ++k) {
       const auto unit = unit_of_title(c[k]);
       EXPECT_EQ(unit ? unit->si : 0.0, number_of(c[0], '.').value().value) << c[k];
-      if (unit)
-        EXPECT_EQ(static_cast<int>(unit->dimension), c[k].front() == 'y' ? 1 : c[k].front() == 'v' ? 2 : 0) << c[k];
+      const int dimension = c[k].front() == 'y' ? 1 : c[k].front() == 'v' ? 2 : 0;
+      EXPECT_EQ(unit ? static_cast<int>(unit->dimension) : dimension, dimension) << c[k];
     }
 }
 
