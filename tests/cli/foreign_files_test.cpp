@@ -10,7 +10,6 @@
 
 #include "bouncelab/audio/annotations.hpp"
 #include "bouncelab/core/error.hpp"
-#include "bouncelab/core/foreign_table.hpp"
 #include "bouncelab/core/samples.hpp"
 #include "bouncelab/core/table.hpp"
 #include "program.hpp"
@@ -63,8 +62,6 @@ TEST_F(ForeignFiles, OfTimesGiveTheAnswerAsARecordingDoes) {
               HasSubstr("t/times.csv: times in s (column 'Time (s)'): 12 impacts in 1 drop"));
   write("a.wav", float_wav(bouncing(12), 44100));
   expect_one_line_error(run("analyze a.wav t/times.csv --out o"), 2, {"times.csv", "one kind at a time"});
-  write("speeds.csv", "speed;e\n1,2;0,85\n1,0;0,85\n0,8;0,86\n");
-  expect_one_line_error(run("speeds.csv"), 3, {"speeds.csv", "bouncelab fit"});
 }
 
 TEST_F(ForeignFiles, GapsOfAContainersTimeStampsAreKept) {
@@ -125,13 +122,57 @@ TEST_F(ForeignFiles, WhatFollowsInJoinedFilesIsNamed) {
 }
 
 TEST_F(ForeignFiles, ATableMayComeThroughAPipe) {
-  write("i.csv", "interval_ms\n600\n540\n486\n437.4\n393.7\n354.3\n");
-  const std::string answer = run("analyze i.csv --out file").out;
-  EXPECT_THAT(answer, HasSubstr("ε = 0.9"));
-  const Result piped = shell("cat i.csv | \"$B\" analyze - --out piped");
-  EXPECT_EQ(piped.exit_code, 0) << piped.err;
+  const auto utf16 = [](const std::string& ascii) {
+    std::string text = "\xFF\xFE";
+    for (const char c : ascii) text += {c, '\0'};
+    return text;
+  };
+  const std::string german = "interval_ms;n\n600,5;1\n540,4;2\n486,3;3\n437,6;4\n393,9;5\n354,4;6\n";
+  write("i.csv", german);
+  write("i16.csv", utf16(german));
+  ASSERT_EQ(run("convert i.csv --to own.csv own.jsonl").exit_code, 0);
+  write("own16.csv", utf16(content("own.csv")));
   const auto first_line = [](const std::string& text) { return text.substr(0, text.find('\n')); };
-  EXPECT_EQ(first_line(piped.out), first_line(answer));
+  const std::string answer = first_line(run("analyze i.csv --out file").out);
+  EXPECT_THAT(answer, HasSubstr("ε = 0.9"));
+  const auto piped = [&](const std::string& command) {
+    const Result result = shell("B=\"$B\" bash -c '" + command + " --force'");
+    EXPECT_EQ(result.exit_code, 0) << command << ": " << result.err;
+    return first_line(result.out);
+  };
+  for (const std::string name : {"i.csv", "i16.csv", "own.csv", "own16.csv", "own.jsonl"}) {
+    EXPECT_EQ(piped("cat " + name + " | \"$B\" analyze - --out piped"), answer) << name;
+    piped("cat " + name + " | \"$B\" convert - --to back.csv");
+    EXPECT_THAT(content("back.csv"), HasSubstr("0.6005")) << name;
+    piped("cat " + name + " | \"$B\" restitution - --out s.csv");
+  }
+  for (const std::string command : {"analyze <(cat i.csv)", "<(cat own16.csv)", "analyze /dev/stdin <own.jsonl"})
+    EXPECT_EQ(piped("\"$B\" " + command + " --out piped"), answer) << command;
+  ASSERT_EQ(run("restitution own.csv --out s.jsonl").exit_code, 0);
+  write("s16.csv", utf16(content("s.csv")));
+  write("e.csv", "v_mps;eps\n2,9;0,90\n2,6;0,90\n2,4;0,90\n2,1;0,91\n1,9;0,90\n");
+  write("e16.csv", utf16(content("e.csv")));
+  for (const std::string name : {"s.csv", "s16.csv", "s.jsonl", "e.csv", "e16.csv"}) {
+    piped("cat " + name + " | \"$B\" fit - --out piped.json");
+    EXPECT_EQ(run("fit " + name + " --out file.json --force").exit_code, 0);
+    EXPECT_EQ(Json(content("piped.json"))["answer"].dump(), Json(content("file.json"))["answer"].dump()) << name;
+  }
+}
+
+TEST_F(ForeignFiles, AWorkbookIsNamedAsSuch) {
+  const std::string zip = "PK\x03\x04" + std::string(26, '\0');
+  write("lab.xlsx", zip + "[Content_Types].xml" + std::string(1000, '\0'));
+  write("lab.ods", zip + "mimetypeapplication/vnd.oasis.opendocument.spreadsheet");
+  write("lab.numbers", zip + "Index/Document.iwa");
+  write("lab.xls", "\xD0\xCF\x11\xE0\xA1\xB1\x1A\xE1" + std::string(1000, '\0'));
+  write("lab.csv", zip + "xl/workbook.xml");
+  for (const std::string name : {"lab.xlsx", "lab.ods", "lab.numbers", "lab.xls", "lab.csv"})
+    for (const std::string command : {"", "analyze ", "compare --out c lab.ods ", "restitution --out s.csv ",
+                                      "fit --out f.json ", "convert --to o.csv "})
+      expect_one_line_error(run(command + name), 3, {": is a workbook: save the sheet as CSV"});
+  write("run.zip", zip + "Raw Data.csv");
+  expect_one_line_error(run("run.zip"), 3, {"run.zip: is a ZIP archive: unpack it"});
+  expect_one_line_error(shell("cat lab.xlsx | \"$B\" fit - --out f.json"), 3, {"standard input: is a workbook"});
 }
 
 TEST_F(ForeignFiles, TheMedianIsOfTheSamplesWithoutFlags) {
@@ -146,7 +187,10 @@ TEST_F(ForeignFiles, AreTakenAsTheUserSays) {
   EXPECT_THAT(said_of("us.csv --columns t=b --unit us --as times"), HasSubstr("times in us"));
   expect_one_line_error(run("restitution us.csv --columns t=c --out t.csv"), 3, {"'c'", "column 'a'"});
   write("letters.csv", "x,y\n0.9,1.2\n0.9,1.0\n0.9,0.8\n0.9,0.6\n");
-  expect_one_line_error(run("fit letters.csv --out f.json"), 3, {"letters.csv", "--columns v=COLUMN,eps=COLUMN"});
+  const Result asked = run("fit letters.csv --out f.json");
+  EXPECT_EQ(asked.exit_code, 2);
+  EXPECT_THAT(asked.err, AllOf(HasSubstr("letters.csv"), HasSubstr("--columns v=COLUMN,eps=COLUMN"),
+                               HasSubstr("  y  1.2  1.0  0.8 ...")));
   // of one digit each value is off by up to .05: .029 by the root of four
   EXPECT_THAT(run("fit letters.csv --columns v=y,eps=x --out f.json").out, HasSubstr(" ± 0.015 (95 %: 0.8"));
   const auto tier = [](const std::string& name, const std::string& lines) {
@@ -182,38 +226,69 @@ TEST_F(ForeignFiles, LabelsAreNumberedOnlyIfTheirNumbersAreOurs) {
   EXPECT_EQ(audio::onsets_of_file(bars, "comma.txt", {}, {}, taken_for).back().impact, 11);
 }
 
-/// What a table is taken for, or why it is refused.
-std::string taken(const std::string& text, bool of_samples = false) {
-  try {
-    const ForeignTable table = read_foreign_table(text, "x");
-    return (of_samples ? samples_from_foreign(table, "x", {}) : onsets_from_foreign(table, "x", {})).taken_for;
-  } catch (const FileError& error) {
-    return error.what();
+/// The lines of a text.
+std::vector<std::string> lines_of(const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream in(text);
+  for (std::string line; std::getline(in, line);) lines.push_back(line);
+  return lines;
+}
+
+TEST_F(ForeignFiles, AQuestionIsAnsweredByACommandThatItPrints) {
+  write("it's two.csv", "A (s);B (ms);note\n" + std::regex_replace(times(), std::regex("(.+)\n"), "$1;9;x\n"));
+  write("fall.csv", "0.6\n0.51\n0.4335\n0.368475\n");
+  write("columns.csv", "Zeit;Höhe\n" + std::regex_replace(times(), std::regex("(.+)\n"), "$1;0\n"));
+  write("trial.csv",
+        "trial,Time (s)\n" + std::regex_replace(times(6), std::regex("(.+)\n"), "1,$1\n") + "2,2.9\n2,3.1\n");
+  write("speeds.csv", "v (cm/s);e\n120;0,85\n100;0,86\n90;0,85\n80;0,84\n");
+  struct Asked {
+    const char *command, *question, *cells;
+    int n_readings;
+  };
+  for (const Asked& c :
+       {Asked{"restitution \"it's two.csv\" --unit s --out s.csv --force", "2 columns are of a time",
+              "    A (s)   0.400000  1.000000  1.510000 ...", 2},
+        Asked{"fall.csv --out fall --force", "do not rise", "    1  0.6  0.51  0.4335 ...", 1},
+        Asked{"analyze columns.csv --out columns --force --json", "no title has a unit", "    Höhe  0  0  0 ...", 1},
+        Asked{"convert trial.csv --to trial.jsonl --force", "'trial' changes", "    trial     1  1  1 ...", 2},
+        Asked{"fit speeds.csv --out f.json --force", "which columns are", "    e         0,85  0,86  0,85 ...", 1}}) {
+    SCOPED_TRACE(c.command);
+    const Result result = run(c.command);
+    EXPECT_EQ(result.exit_code, 2) << result.err;
+    const std::vector<std::string> said = lines_of(result.err);
+    ASSERT_GT(said.size(), 2U) << result.err;
+    EXPECT_THAT(said[0], AllOf(testing::StartsWith("bouncelab: "), HasSubstr(".csv: "), HasSubstr(c.question)));
+    EXPECT_THAT(said, testing::Contains(c.cells));
+    int n_readings = 0;
+    for (const std::string& line : said) {
+      const std::size_t command = line.find(": bouncelab ");
+      if (command == std::string::npos || &line == &said[0]) continue;
+      ++n_readings;
+      EXPECT_THAT(line, testing::StartsWith("  "));
+      if (line.find("B (ms)") != std::string::npos) continue;  // it holds no times
+      const Result answered = shell("\"$B\" " + line.substr(command + std::string(": bouncelab ").size()));
+      EXPECT_EQ(answered.exit_code, 0) << line << "\n" << answered.err;
+    }
+    EXPECT_EQ(n_readings, c.n_readings) << result.err;
   }
 }
 
-TEST(ForeignTitles, NameTheQuantityAndItsUnit) {
-  EXPECT_THAT(taken("t_cs\n0\n50\n95\n135.5\n"), HasSubstr("times in cs"));
-  EXPECT_THAT(taken("time [h]\n0.1\n0.2\n0.29\n0.371\n"), HasSubstr("times in h"));
-  EXPECT_THAT(taken("frame\n12\n132\n240\n337\n"), HasSubstr("counts frames"));
-  for (const char* title : {"height (m)", "energy (J)", "Peak amplitude (V)", "speed (m/s)", "e", "temperature (degC)"})
-    EXPECT_THAT(taken(std::string(title) + "\n0.5\n0.361\n0.261\n0.189\n0.136\n"),
-                AllOf(HasSubstr("no column of times or intervals"), HasSubstr("--columns")));
-  EXPECT_THAT(taken("bounce,speed (m/s)\n0,3.13\n1,2.66\n2,2.26\n"), HasSubstr("no column of times or intervals"));
-  EXPECT_THAT(taken("n,time (s)\n0,0.5\n1,1.0\n2,-\n3,1.355\n4,1.6\n"), HasSubstr("line 4"));
-  EXPECT_THAT(taken("n,time (s)\n0,0.5\n1,1.0\n2,1.355\n3,1.6\n4,\n"), HasSubstr("times in s")) << "not heard";
-  for (const auto& [titles, words] : {std::pair{"v_cmps,eps", "speeds in cm/s"},
-                                      {"v [mm/s],eps", "speeds in mm/s"},
-                                      {"v_kmh,eps", "speeds in km/h"},
-                                      {"known speed,e", "speeds in m/s"},
-                                      {"speed (mph),e", "unit that is not known"},
-                                      {"v (ft/s),e", "unit that is not known"},
-                                      {"speed (knots),e", "unit that is not known"},
-                                      {"v (m/s),e^2", "no columns that are plainly speed"},
-                                      {"v (m/s),1-e", "no columns that are plainly speed"},
-                                      {"v_t (m/s),e", "no columns that are plainly speed"},
-                                      {"ln(v),e", "no columns that are plainly speed"}})
-    EXPECT_THAT(taken(std::string(titles) + "\n2,0.8\n1.6,0.8\n1.3,0.8\n1,0.8\n", true), HasSubstr(words)) << titles;
+TEST_F(ForeignFiles, NumbersOfRowsBesideTimesAreNoLabels) {
+  for (const char* table :
+       {"1\t400\n2\t1000\n3\t1510\n", "1\t400\tx\n2\t1000\ty\n3\t1510\tz\n", "1\t400\t7\n2\t1000\t8\n3\t1510\t9\n"}) {
+    write("t.txt", table);
+    EXPECT_NE(run("restitution t.txt --out s.csv --force").exit_code, 0) << table;
+  }
+}
+
+TEST_F(ForeignFiles, AQuestionIsInTheJsonOfTheFailure) {
+  write("fall.csv", "0.6\n0.51\n0.4335\n0.368475\n");
+  const Result result = run("analyze fall.csv --out o --json");
+  EXPECT_EQ(result.exit_code, 2);
+  const Json failure(result.out);
+  EXPECT_EQ(failure["exit_code"], 2);
+  EXPECT_THAT(failure["error"].text(),
+              AllOf(HasSubstr("do not rise"), HasSubstr("--as intervals --unit s (intervals in s)")));
 }
 
 TEST_F(ForeignFiles, WhatTheirDropsSayAgainstOneValueIsSaid) {

@@ -146,7 +146,7 @@ TEST(Csv, WhatIsNoTableIsRefusedAtOnceInAShortLine) {
                                    6),
                        {{"a"}}),
             "no error");
-  EXPECT_THAT(message_of(std::string("\xFF\xFE\0\0", 4), {{"a"}}), HasSubstr("is text in UTF-32"));
+  EXPECT_EQ(message_of(std::string("\xFF\xFE\0\0a\0\0\0\n\0\0\0", 12), {{"a"}}), "no error");
   EXPECT_THAT(message_of("PK\x03\x04", {{"a"}}), HasSubstr("is a ZIP archive"));
   EXPECT_THAT(message_of(std::string(100'000'000, ','), {{"a"}}), HasSubstr("line 1 is longer than 1048576 bytes"));
   EXPECT_THAT(message_of("a\n1\n\"" + std::string(3'000'000, '\n'), {{"a"}}), HasSubstr("longer than 1048576 bytes"));

@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Times, intervals and coefficients of restitution as other programs and people write them. The formats are written
-// after: phyphox's experiments "Acoustic Stopwatch" and "(In)elastic collision" and its DataExport.java (columns named
-// in quotes, 0.000000000E0, five pairs of separator and decimal sign); Tracker's help, "Exporting data" (the track's
-// name, a line of titles, tabs); Raven Pro's selection tables; Audition's markers (tabs, clock times); Sonic
-// Visualiser's export of a time instants layer; aubioonset's standard output.
+// The rule of docs/formats.md, "Files of other programs", sentence by sentence: what is read, what is asked, what is an
+// error. Exports are written after: phyphox's experiments "Acoustic Stopwatch" and "(In)elastic collision" and its
+// DataExport.java; Tracker's help, "Exporting data"; Raven Pro's selection tables; Audition's markers; aubioonset.
 #include "bouncelab/core/foreign_table.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <array>
 #include <cmath>
-#include <functional>
+#include <optional>
+#include <regex>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -24,391 +23,366 @@ namespace bouncelab {
 namespace {
 
 using testing::HasSubstr;
+using Drops = std::vector<std::vector<double>>;
 
-constexpr double kEps = 0.85;
+struct Taken {
+  Drops drops;
+  Onsets onsets;
+  std::string taken_for;
+};
 
-/// Of a ball that bounces n times.
-std::vector<double> times(int n = 12, double begin_s = 0.4, double flight_s = 0.6) {
-  std::vector<double> t_s{begin_s};
-  for (; std::ssize(t_s) < n; flight_s *= kEps) t_s.push_back(t_s.back() + flight_s);
-  return t_s;
+Taken read(const std::string& bytes, const ForeignOptions& options = {}) {
+  const TakenTable taken =
+      onsets_from_foreign(read_foreign_table(decoded_text(bytes, "x"), "x", options), "x", options);
+  Taken result{{}, onsets_from_table(taken.table, "x"), taken.taken_for};
+  for (const Onset& onset : result.onsets) {
+    result.drops.resize(static_cast<std::size_t>(onset.drop) + 1);
+    result.drops.back().push_back(onset.t_s);
+  }
+  return result;
 }
 
-std::vector<double> intervals(int n = 12) {
-  const std::vector<double> t_s = times(n);
-  std::vector<double> all_s;
-  for (std::size_t k = 1; k < t_s.size(); ++k) all_s.push_back(t_s[k] - t_s[k - 1]);
-  return all_s;
+RestitutionSamples samples(const std::string& text, const std::string& columns = {}) {
+  ForeignOptions options;
+  options.columns = columns;
+  return samples_from_table(samples_from_foreign(read_foreign_table(text, "x", options), "x", options).table, "x");
 }
 
-std::string with_comma(std::string text) {
-  for (char& c : text)
-    if (c == '.') c = ',';
-  return text;
-}
-
-/// As Java's pattern 0.000000000E0 writes it.
-std::string phyphox(double x) {
-  const int exponent = x == 0.0 ? 0 : static_cast<int>(std::floor(std::log10(std::abs(x))));
-  return formatted("%.9fE%d", x / std::pow(10.0, exponent), exponent);
-}
-
-std::string clock(double t_s) { return formatted("%d:%06.3f", static_cast<int>(t_s / 60.0), std::fmod(t_s, 60.0)); }
-
-/// A line for each value.
-std::string lines(const std::vector<double>& values, const std::function<std::string(std::size_t, double)>& line) {
-  std::string text;
-  for (std::size_t k = 0; k < values.size(); ++k) text += line(k, values[k]) + "\n";
-  return text;
-}
-
-std::string row(const std::vector<double>& values, const std::string& separator,
-                const std::function<std::string(double)>& cell) {
-  std::string text;
-  for (std::size_t k = 0; k < values.size(); ++k) text += (k == 0 ? "" : separator) + cell(values[k]);
-  return text + "\n";
-}
-
-TakenTable taken(const std::string& bytes, const ForeignOptions& options = {}) {
-  return onsets_from_foreign(read_foreign_table(decoded_text(bytes, "x"), "x"), "x", options);
-}
-
-Onsets read(const std::string& bytes, const ForeignOptions& options = {}) {
-  return onsets_from_table(taken(bytes, options).table, "x");
-}
-
-std::vector<double> times_of(const Onsets& onsets) {
-  std::vector<double> t_s;
-  for (const Onset& onset : onsets) t_s.push_back(onset.t_s);
-  return t_s;
-}
-
-std::string refusal(const std::string& bytes, const ForeignOptions& options = {}) {
+std::string error_of(const std::string& bytes, const ForeignOptions& options = {}) {
   return test::refusal<FileError>([&] { read(bytes, options); });
 }
 
-/// Each drop's intervals shrink by kEps.
-/// @param tolerance  of the ratio, by the digits written
-void expect_drops(const Onsets& onsets, std::size_t n_drops, std::size_t n_impacts, double tolerance) {
-  ASSERT_EQ(onsets.size(), n_drops * n_impacts);
-  EXPECT_EQ(onsets.back().drop, static_cast<std::int64_t>(n_drops) - 1);
-  for (std::size_t k = 2; k < onsets.size(); ++k) {
-    if (onsets[k].drop != onsets[k - 2].drop) continue;
-    const double ratio = (onsets[k].t_s - onsets[k - 1].t_s) / (onsets[k - 1].t_s - onsets[k - 2].t_s);
-    EXPECT_NEAR(ratio, kEps, tolerance) << "impact " << k;
+template <class Call>
+std::optional<AmbiguousTable> question_of(const Call& call) {
+  try {
+    call();
+  } catch (const AmbiguousTable& asked) {
+    return asked;
+  }
+  return std::nullopt;
+}
+
+/// The cases of a table: a line each, fields between " | ", in which "\n", "\t" and "\r" are those bytes.
+std::vector<std::vector<std::string>> cases_of(std::string_view table) {
+  std::vector<std::vector<std::string>> cases;
+  for (const std::string_view line : cells_of(table, '\n')) {
+    if (line.empty()) continue;
+    std::vector<std::string> fields(1);
+    for (std::size_t k = 0; k < line.size(); ++k) {
+      const std::string_view rest = line.substr(k);
+      if (rest.starts_with(" | "))
+        fields.emplace_back(), k += 2;
+      else if (rest.front() == '\\')
+        fields.back() += rest[1] == 'n' ? '\n' : rest[1] == 't' ? '\t' : '\r', ++k;
+      else
+        fields.back() += rest.front();
+    }
+    cases.push_back(std::move(fields));
+  }
+  return cases;
+}
+
+/// Of "--as times --unit ms --columns t=Time (s),drop=n".
+ForeignOptions options_of(const std::string& text) {
+  static const std::regex kForm("(?:--as (\\w+) ?)?(?:--unit (\\w+) ?)?(?:--columns (.*))?");
+  std::smatch part;
+  if (!std::regex_match(text, part, kForm)) throw std::invalid_argument(text);
+  return {part[1].matched ? part[1].str() : "auto", part[2].matched ? part[2].str() : "auto", part[3].str()};
+}
+
+/// Of "0.4 1 1.51, 0.1 0.6": two drops. "DAY" is 2026-11-28 at 10 o'clock.
+Drops drops_in(const std::string& text) {
+  Drops drops;
+  for (const std::string_view drop : cells_of(text, ',')) {
+    drops.emplace_back();
+    double begin_s = 0.0;
+    for (const std::string_view cell : cells_of(drop, ' '))
+      if (cell == "DAY")
+        begin_s = 1795860000.0;
+      else
+        drops.back().push_back(begin_s + number_of(cell, '.').value().value);
+  }
+  return drops;
+}
+
+void expect_near(const Drops& found, const Drops& expected) {
+  ASSERT_EQ(found.size(), expected.size());
+  for (std::size_t drop = 0; drop < found.size(); ++drop) {
+    ASSERT_EQ(found[drop].size(), expected[drop].size()) << "drop " << drop;
+    // times since 1970 stand on a grid of 2.4e-7 s
+    for (std::size_t k = 0; k < found[drop].size(); ++k)
+      EXPECT_NEAR(found[drop][k], expected[drop][k], 1e-9 + 4e-16 * std::abs(expected[drop][k])) << drop << "." << k;
   }
 }
 
-struct TableCase {
-  const char* name;
-  std::string text;
-  std::size_t n_drops, n_impacts;
-  double tolerance;
-  const char* taken_for;
-};
+void expect_read(const std::string& text, const ForeignOptions& options, const std::string& drops,
+                 const std::string& taken_for) {
+  try {
+    const Taken taken = read(text, options);
+    expect_near(taken.drops, drops_in(drops));
+    EXPECT_THAT(taken.taken_for, HasSubstr(taken_for));
+  } catch (const Error& error) {
+    ADD_FAILURE() << error.what();
+  }
+}
 
-TEST(ForeignTable, OfTimesAndIntervalsIsWhatItsWriterMeant) {
-  const std::vector<double> t_s = times(), T_s = intervals(), six = times(6);
-  std::vector<double> unset{six[0], six[1], six[2], six[3], 0.0, 0.0};  // a stopwatch that heard four
-  std::string bounces, heights;  // of phyphox's collision: times, heights and energies in turn
-  for (std::size_t k = 0; k < 6; ++k) {
-    const std::string n = std::to_string(k), separator = k == 0 ? "" : "\t";
-    bounces +=
-        separator + "\"Bounce " + n + " (s)\"\t\"Height " + n + " (m)\"" + (k > 0 ? "\t\"Energy " + n + "\"" : "");
-    heights += separator + phyphox(six[k]) + "\t" + phyphox(0.44 * std::pow(kEps, 2.0 * static_cast<double>(k))) +
-               (k > 0 ? "\t" + phyphox(std::pow(kEps, 2.0 * static_cast<double>(k) - 2.0)) : "");
+/// Text | options | impact times of each drop | words of taken_for; by the numbers of the rule.
+constexpr const char* kRead = R"x(
+1: tabs | n\tTime (s)\n1\t0.4\n2\t1\n3\t1.51\n4\t1.9435\n |  | 0.4 1 1.51 1.9435 | times in s (column 'Time (s)', tabs between)
+1: semicolons | n;Time (s)\n1;0,4\n2;1\n3;1,51\n4;1,9435\n |  | 0.4 1 1.51 1.9435 | ';' between, decimal comma
+1: commas | n,Time (s)\n1,0.4\n2,1\n3,1.51\n4,1.9435\n |  | 0.4 1 1.51 1.9435 | ',' between
+1: blanks |   n   t/s\n  1   0.4\n 10  1\n 11 1.51\n 12   1.9435\n |  | 0.4 1 1.51 1.9435 | blanks between
+1: quotes | "n","Time, here (s)"\r\n"1","0,4"\r\n2,1\r\n3,"1,51"\r\n4,"1,9435"\r\n |  | 0.4 1 1.51 1.9435 | decimal comma
+1: one column | Time (s)\n0,4\n1,0\n1,51\n1,9435\n |  | 0.4 1 1.51 1.9435 | (column 'Time (s)', decimal comma)
+1: lines above | Anna, trial A\n\nball;steel\n\nTime (s);x\n0.4;\n1;\n1.51;\n1.9435;;;\n |  | 0.4 1 1.51 1.9435 | times in s
+1: comments | # 3 mm\n#4;5\nTime (s)\n0.4\n1\n1.51\n1.9435\n |  | 0.4 1 1.51 1.9435 | times in s
+1: CR | Time (ms)\r400\r1000\r1510\r1943.5\r |  | 0.4 1 1.51 1.9435 | times in ms
+1: short rows | Time (s),note\n0.4\n1,b\n1.51\n1.9435\n |  | 0.4 1 1.51 1.9435 | times in s
+2: exponents | Time (s)\n4.0E-1\n1.000000000E0\n+1.51\n194.35e-2\n |  | 0.4 1 1.51 1.9435 | times in s
+2: M:S | Start\n0:00.4\n0:01\n00:01.51\n0:01.9435\n |  | 0.4 1 1.51 1.9435 | times as clock times
+2: H:M:S | Start;x\n1:00:00,4\n1:00:01,0\n1:00:01,51\n01:00:01,9435\n |  | 3600.4 3601 3601.51 3601.9435 | as clock times
+2: dates | at\n2026-11-28T10:00:00.4Z\n2026-11-28T11:00:01+01:00\n2026-11-28 04:30:01,51-0530\n |  | DAY 0.4 1 1.51 | as clock times
+2: dates without a zone | 2026-11-28 10:00:00.4\n2026-11-28T10:00:01\n2026-11-28T10:00:01.51\n |  | DAY 0.4 1 1.51 | as clock times
+2: clock times are seconds | t\n0:00.4\n0:01\n0:01.51\n | --unit ms | 0.4 1 1.51 | as clock times
+3: ours | Time (ms);t_s;height (m)\n9;0.4;1\n8;1;2\n7;1.51;3\n6;1.9435;4\n |  | 0.4 1 1.51 1.9435 | times in s (column 't_s'
+3: [ms] | t [ms]\n400\n1000\n1510\n |  | 0.4 1 1.51 | times in ms
+3: / ms | time / ms\n400\n1000\n1510\n |  | 0.4 1 1.51 | times in ms
+3: _ms | time_ms\n400\n1000\n1510\n |  | 0.4 1 1.51 | times in ms
+3: us | Zeit (us)\n400000\n1000000\n1510000\n |  | 0.4 1 1.51 | times in us
+3: min | t (min)\n0.1\n0.11\n0.1185\n |  | 6 6.6 7.11 | times in min
+3: by its cells | Name\tStart\nA\t0:00.4\nB\t0:01\nC\t0:01.51\n |  | 0.4 1 1.51 | as clock times (column 'Start'
+3: s | at\n1795860000.4\n1795860001\n1795860001.51\n |  | DAY 0.4 1 1.51 | times in s since 1970
+3: ms | at\n1795860000400\n1795860001000\n1795860001510\n |  | DAY 0.4 1 1.51 | times in ms since 1970
+3: us | 1795860000400000\n1795860001000000\n1795860001510000\n |  | DAY 0.4 1 1.51 | times in us since 1970
+3: ns | at\n1795860000400000000\n1795860001000000000\n1795860001510000000\n |  | DAY 0.4 1 1.51 | times in ns since 1970
+3: computed of times | T^2 (s^2);Time (s);1/T (1/s)\n9;.4;9\n8;1;8\n9;1.51;7\n6;1.9435;6\n |  | 0.4 1 1.51 1.9435 | 'Time (s)'
+4: dt | dt (ms)\n600\n510\n433.5\n |  | 0 0.6 1.11 1.5435 | intervals in ms (column 'dt (ms)'): 4 impacts in 1 drop
+4: Δt | Δt / s\n0.6\n0.51\n0.4335\n |  | 0 0.6 1.11 1.5435 | intervals in s
+4: interval | Event,interval_s\n1,0.6\n2,0.51\n3,0.4335\n |  | 0 0.6 1.11 1.5435 | intervals in s
+4: phyphox's | "Event","Interval (s)"\n1,6.000000000E-1\n2,5.1E-1\n3,4.335E-1\n |  | 0 0.6 1.11 1.5435 | intervals in s
+4: told times | Time (s)\n0.4\n0.2\n | --as times | 0.4, 0.2 | times in s
+4: told intervals | 0.6\n0.51\n0.4335\n | --as intervals | 0 0.6 1.11 1.5435 | intervals in s
+5: a column | # aubio\n0.4\n1\n1.51\n1.9435\n |  | 0.4 1 1.51 1.9435 | times in s: 4 impacts in 1 drop
+5: a row | 0,4; 1; 1,51; 1,9435\n |  | 0.4 1 1.51 1.9435 | times in s (a row, ';' between, decimal comma)
+5: a row that ends early | 0.4\t1\t1.51\t1.9435\t\t\n |  | 0.4 1 1.51 1.9435 | a row
+5: a unit | 400\n1000\n1510\n1943.5\n | --unit ms | 0.4 1 1.51 1.9435 | times in ms
+5: no ball | 1\n3\n4\n | --as times --unit ms | 0.001 0.003 0.004 | times in ms
+5: one number | 0,4\n1,0\n1,51\n1,9435\n | --as times | 0.4 1 1.51 1.9435 | decimal comma
+5: two numbers | 4,0\n10,1\n15,1\n | --as times --unit ms --columns t=1,drop=2 | 0.004, 0.010 0.015 | ',' between
+6: a column drop | drop;Time (s)\nA 1;0.4\n;1\n;1.51\nB;2.1\n;2.6\n;3.0\n;3.3\n |  | 0.4 1 1.51, 2.1 2.6 3 3.3 | 7 impacts in 2 drops
+6: a column | x,n,when\n9,1,0.4\n8,1,1\n7,2,1.51\n | --as times --unit s --columns t=when,drop=2 | 0.4 1, 1.51 | in 2 drops
+6: a blank line | Time (s);x\n0.4;\n1;\n1.51;\n;\n1.9;\n2.4;\n |  | 0.4 1 1.51, 1.9 2.4 | in 2 drops
+6: times that go back | Time (s)\n0.4\n1\n1.51\n0.1\n0.6\n1\n |  | 0.4 1 1.51, 0.1 0.6 1 | in 2 drops
+6: both | Time (s)\n0.4\n1\n1.51\n0.1\n0.6\n1\n\n0.4\n1\n1.51\n |  | 0.4 1 1.51, 0.1 0.6 1, 0.4 1 1.51 | in 3 drops
+6: a pause | Time (s)\n0.4\n1\n1.51\n4.1\n4.6\n5\n |  | 0.4 1 1.51, 4.1 4.6 5 | in 2 drops
+6: an impact not heard | Time (s)\n0.4\n1\n1.51\n2.4\n2.8\n |  | 0.4 1 1.51 2.4 2.8 | in 1 drop
+6: a mark too many | Time (s)\n1.0\n1.6\n1.6004\n2.08\n2.46\n |  | 1 1.6 1.6004 2.08 2.46 | in 1 drop
+6: intervals that grow | dt (s)\n0.6\n0.51\n0.4335\n0.7\n0.5\n |  | 0 0.6 1.11 1.5435, 0 0.7 1.2 | in 2 drops
+6: not by half | dt (s)\n0.6\n0.4\n0.59\n0.5\n |  | 0 0.6 1 1.59 2.09 | in 1 drop
+6: both of intervals | dt (s)\n0.6\n0.51\n\n0.6\n.5\n.8\n |  | 0 0.6 1.11, 0 .6 1.1, 0 .8 | in 3 drops
+6: a column of intervals | drop,dt (s)\n0,.6\n0,.51\n5,.7\n5,.5\n |  | 0 0.6 1.11, 0 0.7 1.2 | 6 impacts in 2 drops
+6: blocks that are the drops | trial,Time (s)\n1,.4\n1,1\n1,1.51\n2,.1\n2,.6\n2,1\n |  | 0.4 1 1.51, 0.1 0.6 1 | in 2 drops
+6: numbers of the impacts | impact,Time (s)\n0,.4\n1,1\n2,1.51\n0,.1\n1,.6\n2,1\n |  | 0.4 1 1.51, 0.1 0.6 1 | in 2 drops
+6: blocks, answered | trial,Time (s)\n1,.4\n1,1\n2,1.51\n2,1.9435\n | --columns t=2 | 0.4 1 1.51 1.9435 | in 1 drop
+7: frames, answered | t_s\n1\n1.1\n1.2\n1.3\n1.4\n1.5\n1.6\n1.7\n | --as times | 1 1.1 1.2 1.3 1.4 1.5 1.6 1.7 | times
+7: seven equal steps | t_s,y\n1,9\n1.1,9\n1.2,7\n1.3,8\n1.4,3\n1.5,5\n1.6,6\n |  | 1 1.1 1.2 1.3 1.4 1.5 1.6 | times
+Audition | Name\tStart\tType\nMarker 1\t0:00.400\tCue\nMarker 2\t0:01.000\tCue\nMarker 3\t0:01.510\tCue\n |  | 0.4 1 1.51 | as clock
+)x";
+
+TEST(ForeignTable, IsReadByWhatItProves) {
+  for (const std::vector<std::string>& c : cases_of(kRead)) {
+    SCOPED_TRACE(c[0]);
+    ASSERT_EQ(c.size(), 5U);
+    expect_read(c[1], options_of(c[2]), c[3], c[4]);
   }
-  std::vector<double> twice_s = t_s, both_s = T_s;
-  for (const double t : t_s) twice_s.push_back(t_s.back() + 3.0 + t);
-  both_s.insert(both_s.end(), T_s.begin(), T_s.end());
-  const auto six_digits = [](std::size_t, double t) { return formatted("%.6f", t); };
-  const std::string stopwatch = R"x("Start (s)","Stop 1 (s)","Stop 2 (s)","Stop 3 (s)","Stop 4 (s)","Stop 5 (s)")x";
-  // six decimals of seconds: 1e-6 of the shortest interval, 0.1 s; four: 1e-3; three: 0.01
-  const std::vector<TableCase> cases{
-      {"aubioonset", lines(t_s, six_digits), 1, 12, 2e-5, "times in s"},
-      {"comments and blank lines", "# aubio\n\n" + lines(t_s, six_digits) + "\n", 1, 12, 2e-5, "times in s"},
-      {"Sonic Visualiser", lines(t_s, [](auto, double t) { return formatted("%.9f,New Point", t); }), 1, 12, 1e-7,
-       "times"},
-      {"phyphox stopwatch", stopwatch + "\n" + row(six, ",", phyphox), 1, 6, 1e-7, "times in s (a row"},
-      {"phyphox stopwatch, four heard", stopwatch + "\n" + row(unset, ",", phyphox), 1, 4, 1e-7, "times in s"},
-      {"phyphox collision, tabs, decimal comma", bounces + "\n" + with_comma(heights) + "\n", 1, 6, 1e-7,
-       "decimal comma"},
-      {"phyphox intervals",
-       "\"Event\",\"Interval (s)\"\n" +
-           lines(T_s, [](std::size_t k, double T) { return std::to_string(k + 1) + "," + phyphox(T); }),
-       1, 12, 1e-7, "intervals in s"},
-      {"semicolons, decimal comma",
-       "t_s;note\n" + lines(t_s, [](auto, double t) { return with_comma(formatted("%.6f;x", t)); }), 1, 12, 2e-5,
-       "';' between, decimal comma"},
-      {"decimal comma alone", lines(t_s, [](auto, double t) { return with_comma(formatted("%.6f", t)); }), 1, 12, 2e-5,
-       "decimal comma"},
-      {"a spreadsheet's quotes",
-       "\"Nr\",\"Zeit / s\"\r\n" + lines(t_s,
-                                         [](std::size_t k, double t) {
-                                           return "\"" + std::to_string(k + 1) + "\",\"" +
-                                                  with_comma(formatted("%.4f", t)) + "\"\r";
-                                         }),
-       1, 12, 2e-3, "times in s"},
-      {"milliseconds by title", "t_ms\n" + lines(t_s, [](auto, double t) { return formatted("%.3f", 1e3 * t); }), 1, 12,
-       2e-5, "times in ms"},
-      {"minutes", "Time (min)\n" + lines(t_s, [](auto, double t) { return formatted("%.9f", t / 60.0); }), 1, 12, 2e-6,
-       "times in min"},
-      {"milliseconds by size", lines(t_s, [](auto, double t) { return formatted("%.2f", 1e3 * t); }), 1, 12, 2e-4,
-       "times in ms"},
-      {"intervals in milliseconds", lines(T_s, [](auto, double T) { return formatted("%.1f", 1e3 * T); }), 1, 12, 2e-3,
-       "intervals in ms"},
-      {"intervals called times", "t_s\n" + lines(T_s, six_digits), 1, 12, 2e-5, "they fall"},
-      {"a row of intervals", with_comma(row(T_s, ";", [](double T) { return formatted("%.4f", T); })), 1, 12, 2e-3,
-       "intervals in s (a row"},
-      {"a row for each drop",
-       "drop;T1;T2;T3;T4\n1;" +
-           row({T_s[0], T_s[1], T_s[2], T_s[3]}, ";", [](double T) { return formatted("%.4f", T); }) + "2;" +
-           row({T_s[0], T_s[1], T_s[2], T_s[3]}, ";", [](double T) { return formatted("%.4f", T); }),
-       2, 5, 1e-3, "a row for each drop"},
-      {"intervals of two drops", lines(both_s, [](auto, double T) { return formatted("%.4f", T); }), 2, 12, 2e-3,
-       "in 2 drops"},
-      {"times of two drops", lines(twice_s, [](auto, double t) { return formatted("%.5f", t); }), 2, 12, 2e-4,
-       "in 2 drops"},
-      {"two drops that begin at 0", "t_s\n" + lines(t_s, six_digits) + lines(t_s, six_digits), 2, 12, 2e-5,
-       "in 2 drops"},
-      {"trials",
-       "trial,t\n" + lines(t_s, [](auto, double t) { return formatted("1,%.5f", t); }) +
-           lines(t_s, [](auto, double t) { return formatted("2,%.5f", t + 5.0); }),
-       2, 12, 2e-4, "in 2 drops"},
-      {"Tracker",
-       "#multi:\nmass_A\nt\tx\ty\n" + lines(t_s, [](auto, double t) { return formatted("%.5f\t0.1\t0.0", t); }), 1, 12,
-       2e-4, "column 't'"},
-      {"Raven",
-       "Selection\tView\tChannel\tBegin Time (s)\tEnd Time (s)\tLow Freq (Hz)\n" +
-           lines(t_s,
-                 [](std::size_t k, double t) {
-                   return formatted("%d\tWaveform 1\t1\t%.9f\t%.9f\t0.0", static_cast<int>(k) + 1, t, t + 0.01);
-                 }),
-       1, 12, 1e-7, "'Begin Time (s)'"},
-      {"Audition",
-       "\xEF\xBB\xBFName\tStart\tDuration\tTime Format\tType\n" + lines(t_s,
-                                                                        [](std::size_t k, double t) {
-                                                                          return "Marker " + std::to_string(k) + "\t" +
-                                                                                 clock(t) + "\t0:00.000\tdecimal\tCue";
-                                                                        }),
-       1, 12, 2e-2, "clock times"},
-      {"clock times with commas", lines(t_s, [](auto, double t) { return "00:0" + with_comma(clock(t)); }), 1, 12, 2e-2,
-       "clock times"},
-      {"lines that end in CR", "Time (ms)\r" + row(t_s, "\r", [](double t) { return formatted("%.3f", 1e3 * t); }), 1,
-       12, 2e-5, "times in ms"},
-      {"Latin-1", "Zeit (\xB5s)\n" + lines(t_s, [](auto, double t) { return formatted("%.0f", 1e6 * t); }), 1, 12, 2e-5,
-       "times in us"}};
-  for (const TableCase& c : cases) {
-    SCOPED_TRACE(c.name);
-    expect_drops(read(c.text), c.n_drops, c.n_impacts, c.tolerance);
-    EXPECT_THAT(taken(c.text).taken_for, HasSubstr(c.taken_for));
+}
+
+/// Text | options | words of the question | the options of each reading, and what is then read: "-" where that asks
+/// again or is nothing sensible.
+constexpr const char* kAsked = R"x(
+1: one or two | 0,4\n1,0\n1,51\n |  | line 1: 0,4 is one number or several | --as times | 0.4 1 1.51 | --as intervals | - | --columns t=1 | -
+1: with a unit | 400,5\n1000,5\n1510,5\n | --unit ms | one number | --as times --unit ms | .4005 1.0005 1.5105 | --as intervals --unit ms | - | --unit ms --columns t=1 | .4 1 1.51
+1: a clock time | 0:00,4\n0:01,0\n0:01,51\n |  | one number | --as times | 0.4 1 1.51 | --as intervals | - | --columns t=1 | -
+1: commas and blanks | 400, 1000, 1510\n |  | in which unit | --unit ms | 0.4 1 1.51
+3: two columns | A (s),B (s)\n.4,.1\n1,.6\n1.51,1\n |  | 2 columns are of a time | --columns t=A (s) | .4 1 1.51 | --columns t=B (s) | .1 .6 1
+3: of one name | t_s,t_s\n.4,.1\n1,.6\n1.51,1\n |  | 2 columns | --columns t=1 | .4 1 1.51 | --columns t=2 | .1 .6 1
+3: drops told | A (s),B (s),n\n.4,.1,1\n1,.6,1\n1.51,1,2\n | --columns drop=n | 2 columns | --columns t=A (s),drop=n | .4 1, 1.51 | --columns t=B (s),drop=n | .1 .6, 1
+3: time and height | Time (s);y (m)\n0.4;1\n1;1\n1.51;1\n |  | another measured quantity | --columns t=Time (s) | 0.4 1 1.51
+3: no unit | Time\n0.40\n1.00\n1.51\n |  | no title has a unit | --as times --unit s --columns t=Time | 0.4 1 1.51
+3: two without | t,e\n600,1\n510,2\n433.5,4\n |  | no title has a unit | --as intervals --unit ms --columns t=t | 0 0.6 1.11 1.5435
+3: coefficients | v,e\n1.2,.85\n1,.85\n.8,.86\n |  | no title has a unit | --as intervals --unit s --columns t=v | -
+3: no whole unit | t (10^-3 s)\n0.40\n1.00\n1.51\n |  | no title has a unit | --as times --unit s --columns t=t (10^-3 s) | 0.4 1 1.51
+3: another quantity | y (m),v\n0.4,1\n1,3\n1.51,4\n |  | no column is a time: column 'y (m)'
+4: falling | 0.6\n0.51\n0.4335\n |  | do not rise | --as intervals --unit s | 0 0.6 1.11 1.5435
+4: falling, titled | Time (ms)\n600\n510\n433.5\n |  | do not rise | --as intervals | 0 0.6 1.11 1.5435 | --as times | -
+4: two impacts, then three | Time (s)\n0.4\n1\n0.4\n1\n1.51\n |  | do not rise | --as intervals | - | --as times | 0.4 1, 0.4 1 1.51
+4: in a drop | drop;Time (s)\n1;.4\n1;1\n1;1.51\n1;.4\n1;1\n1;1.51\n |  | do not rise | --as intervals | - | --as times | -
+4: a falling row | 600;510;433,5\n |  | do not rise | --as intervals --unit ms | 0 0.6 1.11 1.5435
+4: dt that rises | dt (s)\n0.4\n1\n1.51\n |  | their title says intervals | --as intervals | - | --as times | 0.4 1 1.51
+5: no speeds of balls | 400\n1000\n1510\n |  | which no ball has | --unit ms | 0.4 1 1.51
+5: nor by the title | Time (s)\n400\n1000\n1500\n |  | intervals of 550 s in the median | --unit ms | 0.4 1 1.5
+5: clock times of no ball | at\n1:00:00\n1:10:00\n1:20:01\n |  | intervals of 600.5 s in the median | --unit s | 3600 4200 4801
+5: two columns | -7 0.40\n-3 1.00\n-5 1.51\n |  | which column | --as times --unit s --columns t=2 | 0.4 1 1.51
+6: blocks | trial,Time (s)\n1,.4\n1,1\n2,1.51\n2,1.9\n |  | 'trial' changes where no new drop is seen | --columns t=Time (s),drop=trial | .4 1, 1.51 1.9 | --columns t=Time (s) | .4 1 1.51 1.9
+6: told the unit | Drop,t (s)\n1,400\n1,1000\n2,1510\n2,1900\n | --as times --unit ms | 'Drop' changes | --as times --unit ms --columns t=t (s),drop=Drop | .4 1, 1.51 1.9 | --as times --unit ms --columns t=t (s) | .4 1 1.51 1.9
+6: beside a blank line | n,Time (s)\n1,.4\n1,1\n2,1.51\n2,1.9\n\n3,3\n3,4\n |  | 'n' changes | --columns t=Time (s),drop=n | .4 1, 1.51 1.9, 3 4 | --columns t=Time (s) | .4 1 1.51 1.9, 3 4
+6: two columns drop | drop;drop;t_s\n1;1;.4\n1;2;1\n2;1;1.51\n |  | several columns are called drop
+7: a mean | n;Time (s)\n1;0.4\n2;1\n3;1.51\nMean;2\n |  | line 5 begins with 'Mean'
+7: a mean as a drop | drop;Time (s)\n1;0.4\n1;1\n1;1.51\nMean;2\n |  | line 5 begins with 'Mean'
+7: frames | t_s,y\n0,9\n.1,9\n.2,8\n.3,7\n.4,6\n.5,5\n.6,4\n.7,3\n |  | equally spaced | --as times | 0 .1 .2 .3 .4 .5 .6 .7
+7: frames alone | t_s\n0\n0.033\n0.067\n0.1\n0.133\n0.167\n0.2\n0.233\n |  | frames of a video | --as times | 0 .033 .067 .1 .133 .167 .2 .233
+Audition | Name\tStart\tDuration\nMarker 1\t0:00.400\t0:00.000\nMarker 2\t0:01.000\t0:00.000\n |  | 2 columns | --columns t=Start | 0.4 1 | --columns t=Duration | -
+Tracker | #multi:\nmass_A\nt\tx\ty\n0.400\t0.1\t0.0\n1.000\t0.1\t0.0\n1.510\t0.1\t0.0\n |  | no title has a unit | --as times --unit s --columns t=t | 0.4 1 1.51
+Raven | Selection\tBegin Time (s)\tEnd Time (s)\n1\t0.4\t0.5\n2\t1\t1.1\n3\t1.51\t1.6\n |  | 2 columns | --columns t=Begin Time (s) | .4 1 1.51 | --columns t=End Time (s) | .5 1.1 1.6
+phyphox stopwatch | "Start (s)","Stop 1 (s)","Stop 2 (s)"\n4.0E-1,1.0E0,1.51E0\n |  | 3 columns | --as times | 0.4 1 1.51
+phyphox collision | "Bounce 0 (s)"\t"Height 0 (m)"\t"Bounce 1 (s)"\n4,0E-1\t4,4E-1\t1,0E0\n |  | 2 columns | --columns t=Bounce 0 (s) | 0.4 | --columns t=Bounce 1 (s) | 1
+)x";
+
+TEST(ForeignTable, AsksForWhatItDoesNotProve) {
+  for (const std::vector<std::string>& c : cases_of(kAsked)) {
+    SCOPED_TRACE(c[0]);
+    ASSERT_GE(c.size(), 4U);
+    const auto asked = question_of([&] { read(c[1], options_of(c[2])); });
+    if (!asked) {
+      ADD_FAILURE() << error_of(c[1], options_of(c[2]));
+      continue;
+    }
+    EXPECT_THAT(asked->question(), HasSubstr(c[3]));
+    EXPECT_EQ(2 * asked->readings().size() + 4, c.size()) << asked->what();
+    for (std::size_t k = 0; k < asked->readings().size() && 2 * k + 5 < c.size(); ++k) {
+      SCOPED_TRACE(c[2 * k + 4]);
+      const ForeignOptions &found = asked->readings()[k].options, expected = options_of(c[2 * k + 4]);
+      EXPECT_EQ(command_line_of(found), command_line_of(expected));
+      EXPECT_THAT(asked->what(), HasSubstr(command_line_of(expected)));
+      if (c[2 * k + 5] != "-") expect_read(c[1], found, c[2 * k + 5], "");
+    }
   }
+}
+
+TEST(ForeignTable, ShowsItsColumnsWithAQuestion) {
+  const auto asked = question_of([] { read("A (s);B (s);note\n0.4;0.1;a\n1;;b\n1.51;1;c\n1.9;2;d\n"); });
+  ASSERT_TRUE(asked);
+  ASSERT_EQ(asked->columns().size(), 3U);
+  EXPECT_EQ(asked->columns()[0].title, "A (s)");
+  EXPECT_EQ(asked->columns()[0].first_cells, "0.4  1  1.51");
+  EXPECT_EQ(asked->columns()[2].title, "note");
+  EXPECT_EQ(asked->columns()[2].first_cells, "a  b  c");
+}
+
+/// Text | options | words of the error.
+constexpr const char* kErrors = R"x(
+nothing |  |  | is empty
+no number | once upon a time\nthere was\n |  | line 2: there was: no line holds numbers
+a comment below | Time (s)\n0.4\n1\n# late\n1.51\n |  | line 4, column 'Time (s)': '# late' is not a number
+two decimal signs | Time (s);n\n0.4;1\n1,0;2\n1.51;3\n |  | line 2, column 'Time (s)': '0.4' is not a number
+another separator | Time (s)\n0.4;1\n |  | line 2, column 'Time'
+a cell below no title | Time (s),,\n0.4,,\n1,51,,\n |  | line 3 has 2 cells, and the titles are 1
+more cells than titles | n,Time (s)\n1,0,4\n2,1,0\n |  | line 2 has 3 cells, and the titles are 2
+no format | 1 0.4\n2 1.0\n3\n |  | line 1: 1 0.4: not every line has the same number of cells
+numbers for titles | drop;1;2\n0.4;0.5;0.6\n |  | not every line has the same number of cells, all of them numbers
+a gap | n;Time (s)\n0;0.4\n1;1\n2;\n3;1.51\n |  | line 4, column 'Time (s)': the cell is empty
+a gap after a blank line | Time (s)\n0.4\n1\n\n""\n1.51\n""\n1.9\n |  | line 7, column 'Time (s)': the cell is empty
+a gap in a row | 0.4;1;;1.51\n |  | line 1, column 3: the cell is empty
+a time twice | Time (s)\n0.4\n1\n1.0\n1.51\n |  | line 4: the time of the row before it stands again
+no interval | dt (s)\n0.6\n0\n0.4\n |  | line 3: an interval of 0
+a drop again | drop;Time (s)\n1;0.4\n2;1\n1;1.51\n |  | line 4: drop '1' comes again
+two of that name | a,a\n0.1,0.2\n | --columns t=a | has no column 'a' (found: column 1, column 2)
+no such column | a,b\n0.1,0.2\n | --columns t=when | has no column 'when' (found: column 'a', column 'b')
+a clock time among numbers | t (ms)\n58000\n59000\n1:00.0\n |  | line 4, column 't (ms)': '1:00.0' is a clock time
+samples | drop,impact,v_mps,eps\n0,0,1,0.8\n |  | bouncelab fit takes it
+a drop not in its order | drop;t_s\n1;0.4\n1;1\n1;.5\n | --as times | line 4, column t_s: times must increase within a drop
+)x";
+
+TEST(ForeignTable, NamesThePlaceOfAnError) {
+  for (const std::vector<std::string>& c : cases_of(kErrors)) {
+    ASSERT_EQ(c.size(), 4U) << c[0];
+    EXPECT_THAT(error_of(c[1], options_of(c[2])), HasSubstr(c[3])) << c[0];
+  }
+  for (const char* cell : {"03. Feb", "#VALUE!", "#REF!", "0:00:01;12", "1,000.0", "later", "NaN", "1.0 s", "0:61.0",
+                           "2026-02-30T10:00:00", "0x10", "1e999"})
+    EXPECT_THAT(error_of(std::string("n\tTime (s)\n1\t0.4\n2\t") + cell + "\n3\t1.51\n"),
+                HasSubstr(std::string("line 3, column 'Time (s)': '") + cell + "' is not a number"));
+  EXPECT_THAT(test::refusal<InvalidArgument>([] {
+                read("a\n1\n", {"auto", "auto", "when"});
+              }),
+              HasSubstr("KEY=COLUMN"));
+}
+
+/// Seconds, metres or m/s per unit | titles.
+constexpr const char* kTitles = R"x(
+1 | Time (s) | t [s] | time / s | Time/s | t_s | Run 1 - Time (s) | (s) | Zeit (sec) | y (m) | v (m/s) | v / m/s | v_mps
+1e-3 | t (ms) | time_ms | y_mm | v (mm/s)
+1e-6 | t (us) | t [µs] | t / μs | t_us
+60 | t (min)
+1e-2 | y (cm) | v / cm/s
+0.0254 | y (in) | v (in/s)
+0.3048 | y [ft] | v (ft/s)
+0.44704 | v (mph)
+0.2777777777777778 | v (km/h)
+0 | T^2 (s^2) | 1/T (1/s) | f (Hz) | Time (10^-3 s) | Time (x0.1 s) | Time (1/100 s) | s | m/s | Time | time (S) | v_in
+0 | t_min | time s | t (ds) | S1 | (t) | log time | t (s) of A | dt
+)x";
+
+TEST(ForeignTable, ATitlesUnitIsWholeOrNone) {
+  for (const std::vector<std::string>& c : cases_of(kTitles))
+    for (std::size_t k = 1; k < c.size(); ++k) {
+      const auto unit = unit_of_title(c[k]);
+      EXPECT_EQ(unit ? unit->si : 0.0, number_of(c[0], '.').value().value) << c[k];
+      const int dimension = c[k].front() == 'y' ? 1 : c[k].front() == 'v' ? 2 : 0;
+      EXPECT_EQ(unit ? static_cast<int>(unit->dimension) : dimension, dimension) << c[k];
+    }
 }
 
 TEST(ForeignTable, IsTheSameInEveryEncoding) {
-  const std::string text = "Zeit (ms);Notiz\n" + lines(times(), [](auto, double t) {
-                             return with_comma(formatted("%.3f", 1e3 * t)) + ";h\xC3\xB6rbar";
-                           });
-  const std::vector<double> expected_s = times_of(read(text));
+  const std::string text = "Zeit (\xC2\xB5s);Notiz\n400000,5;\xC2\xB5\n1000000;\n1510000;\n1943500;\n";
+  const Drops expected = read(text).drops;
+  std::string latin;
+  for (const char c : text)
+    if (c != '\xC2') latin += c;
+  EXPECT_EQ(read(latin).drops, expected);
+  EXPECT_EQ(read("\xEF\xBB\xBF" + text).drops, expected);
   for (const bool is_big_endian : {false, true})
     for (const bool with_mark : {false, true}) {
       std::string utf16 = !with_mark ? "" : is_big_endian ? "\xFE\xFF" : "\xFF\xFE";
-      for (std::size_t k = 0; k < text.size(); ++k) {
-        const char c = text[k] == '\xC3' ? '\xF6' : text[k];  // the one character of two bytes
-        if (text[k] == '\xC3') ++k;
-        utf16 += is_big_endian ? std::string{'\0', c} : std::string{c, '\0'};
-      }
-      EXPECT_EQ(times_of(read(utf16)), expected_s) << is_big_endian << with_mark;
+      for (const char c : latin) utf16 += is_big_endian ? std::string{'\0', c} : std::string{c, '\0'};
+      EXPECT_EQ(read(utf16).drops, expected) << is_big_endian << with_mark;
     }
-  EXPECT_EQ(times_of(read("\xEF\xBB\xBF" + text)), expected_s);
 }
 
 TEST(ForeignTable, CarriesTheRoundingOfItsNumbers) {
   // hundredths of a second: the error of a number rounded so is 10 ms/sqrt(12)
-  const Onsets onsets = read(lines(times(), [](auto, double t) { return formatted("%.2f", t); }));
-  for (const Onset& onset : onsets) EXPECT_NEAR(onset.sigma_t_s.value_or(0.0), 0.01 / std::sqrt(12.0), 1e-12);
-  const Onsets ms = read("t_ms\n" + lines(times(), [](auto, double t) { return formatted("%.0f", 1e3 * t); }));
-  EXPECT_NEAR(ms.front().sigma_t_s.value_or(0.0), 0.001 / std::sqrt(12.0), 1e-12);
+  for (const Onset& onset : read("Time (s)\n0.40\n1.00\n1.51\n1.94\n").onsets)
+    EXPECT_NEAR(onset.sigma_t_s.value_or(0.0), 0.01 / std::sqrt(12.0), 1e-12);
+  EXPECT_NEAR(read("t_ms\n400\n1000\n1510\n1943\n").onsets[0].sigma_t_s.value_or(0.0), 0.001 / std::sqrt(12.0), 1e-12);
+  // frames of a video, 60 a second
+  const Onsets frames = read("Time (s)\n0.400000\n1.000000\n1.516667\n1.950000\n2.316667\n").onsets;
+  EXPECT_NEAR(frames[0].sigma_t_s.value_or(0.0), 1.0 / 60.0 / std::sqrt(12.0), 1e-4);
 }
 
-TEST(ForeignTable, IsTakenAsTheUserSays) {
-  ForeignOptions times_in_ms;
-  times_in_ms.as = "times";
-  times_in_ms.unit = "ms";
-  EXPECT_NEAR(read("1\n3\n4\n", times_in_ms)[1].t_s, 0.003, 1e-15);
-  ForeignOptions of_column;
-  of_column.columns = "t=when,drop=2";
-  const Onsets onsets = read("x,n,when\n9,1,0.5\n8,1,0.9\n7,2,3.0\n", of_column);
-  ASSERT_EQ(onsets.size(), 3U);
-  EXPECT_EQ(onsets[1].t_s, 0.9);
-  EXPECT_EQ(onsets[2].drop, 1);
-}
-
-TEST(ForeignTable, ThatCannotBeToldIsRefusedWithTheRemedy) {
-  EXPECT_THAT(refusal("mass_A\nt\tx\ty\n" + lines(std::vector<double>(20),
-                                                  [](std::size_t k, double) {
-                                                    return formatted("%.4f\t0.1\t0.2", static_cast<double>(k) / 30.0);
-                                                  })),
-              testing::AllOf(HasSubstr("frames of a video"), HasSubstr("--as times")));
-  EXPECT_THAT(refusal("speed;e\n1.2;0.85\n1.0;0.85\n0.8;0.86\n"), HasSubstr("bouncelab fit"));
-  EXPECT_THAT(refusal("speed;e\n" + lines(std::vector<double>(20),
-                                          [](std::size_t k, double) {
-                                            return formatted("%.2f;0.85", 0.2 + 0.05 * static_cast<double>(
-                                                                                           k));  // spaced as frames are
-                                          })),
-              HasSubstr("bouncelab fit"));
-  EXPECT_THAT(refusal("1,600\n2,510\n3,433\n"), HasSubstr("one number or two"));
-  EXPECT_THAT(refusal("400000\n1000000\n1510000\n"), HasSubstr("--unit"));
-  EXPECT_THAT(refusal("t_s\n0.1\n0.2\nlater\n0.4\n"), HasSubstr("line 4, column 't_s': 'later' is no number"));
-  EXPECT_THAT(refusal("once upon a time\n"), HasSubstr("line 1"));
-  EXPECT_THAT(refusal(""), HasSubstr("is empty"));
-  ForeignOptions no_such;
-  no_such.columns = "t=when";
-  EXPECT_THAT(refusal("a,b\n0.1,0.2\n", no_such),
-              testing::AllOf(HasSubstr("'when'"), HasSubstr("column 'a', column 'b'")));
-}
-
-TEST(ForeignTable, OfWhatIsComputedOfTimesIsRefused) {
-  for (const char* title :
-       {"T^2 (s^2)", "sqrt(interval)", "1/T (1/s)", "interval rate (Hz)", "half interval (s)", "Contact time (ms)",
-        "sigma_t (s)", "Time (10^-3 s)", "Time (x0.1 s)", "Time (1/100 s)", "1 - dt", "t\xC2\xB2", "log time"}) {
-    EXPECT_THAT(refusal(std::string(title) + "\n0.6\n0.5\n0.43\n0.36\n"), HasSubstr("--columns t=COLUMN")) << title;
-    // beside times it is not taken for them
-    EXPECT_EQ(read("Time (s);" + std::string(title) + "\n1.0;0.6\n1.6;0.5\n2.1;0.43\n")[1].t_s, 1.6) << title;
-  }
-  for (const char* title : {"Run 1 - Time (s)", "Time [s]", "t / s", "T1", "Time (run 1)", "Time/s", "(t)"})
-    EXPECT_EQ(read(std::string(title) + "\n1.0\n1.6\n2.1\n2.5\n")[1].t_s, 1.6) << title;
-  EXPECT_NEAR(read("time (ds)\n10\n16\n21\n25\n")[1].t_s, 1.6, 1e-12);
-}
-
-TEST(ForeignTable, WithAGapInARowIsRefused) {
-  for (const char* nothing : {"", "0", "NaN", "-"})
-    EXPECT_THAT(refusal("T1,T2,T3,T4,T5\n.4,.3,.25,.2,.16\n.4,.3," + std::string(nothing) + ",.2,.16\n"),
-                HasSubstr("line 3, column 'T3': nothing is written between two numbers"));
-  EXPECT_THAT(refusal("T1,T2,T3,T4\n.4,,.25,.2\n.4,,.25,.2\n"), HasSubstr("column 'T2': nothing is written"));
-  EXPECT_EQ(read("T1,T2,T3,T4,T5\n.4,.3,.25,.2,.16\n.4,.3,.25,,\n").size(), 10U);
-}
-
-TEST(ForeignTable, ADropGoesOnInTheEmptyCellsOfAMergedOne) {
-  const Onsets onsets = read("drop;time (s)\n1;1.0\n;1.4\n;1.7\n2;5.0\n;5.4\n;5.7\n");
-  ASSERT_EQ(onsets.size(), 6U);
-  EXPECT_EQ(onsets[2].drop, onsets[0].drop);
-  EXPECT_EQ(onsets[5].drop, onsets[3].drop);
-  EXPECT_NE(onsets[3].drop, onsets[0].drop);
-}
-
-TEST(ForeignTable, ItsDropsAreToldByAllColumnsThatSaySo) {
-  const Onsets onsets =
-      read("Run,Trial,Measurement,time (s)\n1,1,1,1.0\n1,1,2,1.4\n1,2,1,2.0\n1,2,2,2.4\n2,2,1,3.0\n2,2,2,3.4\n");
-  ASSERT_EQ(onsets.size(), 6U);
-  for (std::size_t k = 0; k < 6; ++k) EXPECT_EQ(onsets[k].drop, static_cast<std::int64_t>(k / 2)) << k;
-  // the number of the impact in each row begins none
-  EXPECT_EQ(read("Drop,Measurement,time (s)\n1,1,1.0\n1,2,1.4\n1,3,1.7\n")[2].drop, 0);
-}
-
-/// Of a ball released from heights in their order: intervals fall along the rows and down the columns.
-std::string fallen(bool a_row_is_a_drop) {
-  std::string text;
-  for (int row = 0; row < 5; ++row)
-    for (int column = 0; column < 4; ++column) {
-      const int bounce = a_row_is_a_drop ? column : row, drop = a_row_is_a_drop ? row : column;
-      constexpr std::array<double, 5> kFirst_s{0.90, 0.80, 0.74, 0.55, 0.50};
-      text += formatted("%.4f", kFirst_s[static_cast<std::size_t>(drop)] * std::pow(0.75, bounce)) +
-              (column == 3 ? "\n" : ",");
-    }
-  return text;
-}
-
-TEST(ForeignTable, ARowIsADropWhereTheTitlesAreNumbersAndItsRatiosAreAlike) {
-  for (const char* titles : {"T1,T2,T3,T4\n", "1,2,3,4\n"}) {
-    EXPECT_EQ(read(titles + fallen(true)).back().drop, 4) << titles;
-    EXPECT_THAT(refusal(titles + fallen(false)), HasSubstr("a column for each drop")) << titles;
-  }
-  // a number of the bounce beside them is no interval
-  EXPECT_THAT(refusal("Bounce,T1,T2,T3\n1,.9,.8,.65\n2,.675,.6,.488\n3,.506,.45,.366\n"),
-              HasSubstr("a column for each drop"));
-  EXPECT_THAT(refusal(fallen(true)), HasSubstr("name the columns T1, T2, T3"));
-  for (const char* titles : {"Bounce,Anna,Bob\n", "Bounce,Trial 1,Trial 2\n"})
-    EXPECT_THAT(refusal(titles + std::string("1,.9,.8\n2,.7,.62\n3,.55,.45\n")), HasSubstr("a column for each drop"));
-}
-
-TEST(ForeignTable, ANumberOfTheImpactOrAMeanIsNoTime) {
-  const Onsets onsets = read("Table,Bounce,dt (ms)\n1,1,600\n1,2,480\n1,3,384\n1,1,590\n1,2,475\n1,3,380\n");
-  ASSERT_EQ(onsets.size(), 8U);
-  EXPECT_NEAR(onsets[1].t_s, 0.6, 1e-12);
-  EXPECT_EQ(read("Drop,T1,T2,T3\n1,.6,.5,.4\n2,.6,.5,.4\nMean,.6,.5,.4\nStd. dev.,.01,.01,.01\n").back().drop, 1);
-  EXPECT_EQ(read("Series,Time (s)\nS1,1.0\nS1,1.5\nS2,3.0\nS2,3.5\nmean,2.2\n").size(), 4U) << "S1 is no unit";
-  // Trial alone tells nothing where it is always 1
-  EXPECT_EQ(read("Student,Trial,Interval (s)\nA,1,.6\nA,1,.5\nB,1,.6\nB,1,.5\n").back().drop, 1);
-  EXPECT_EQ(read("Trial,Interval (s)\n1,.6\n1,.3\n1,.6\n1,.3\n").back().drop, 1);
-}
-
-TEST(ForeignTable, OfSeveralBallsIsRefused) {
-  EXPECT_THAT(refusal("ball;time (s)\nsteel;1.0\nsteel;1.4\nsteel;1.7\nglass;5.0\nglass;5.5\n"),
-              HasSubstr("line 5, column 'ball': 'glass' follows 'steel'"));
-  EXPECT_THAT(refusal("Ball 1 (Material),time (s)\n1,1.0\n1,1.4\n2,5.0\n2,5.5\n"), HasSubstr("one ball on one floor"));
-  EXPECT_EQ(read("floor type;time (s)\nwood;1.0\n;1.4\nWood;1.7\n").size(), 3U);
-  EXPECT_EQ(read("time (s);ball\n1.0;0.01\n1.4;0.02\n1.7;0.01\n").size(), 3U) << "where it was";
-  const ForeignTable two = read_foreign_table("ball;v;e\na;1.2;0.8\nb;1.1;0.7\n", "x");
-  EXPECT_THAT(test::refusal<FileError>([&] { samples_from_foreign(two, "x", {}); }), HasSubstr("'b' follows 'a'"));
-}
-
-TEST(ForeignTable, OfTimesInNoOrderIsRefused) {
-  EXPECT_THAT(refusal("T1,T3,T2\n.5,.3,.4\n.5,.3,.4\n"), HasSubstr("column 'T2' stands behind column 'T3'"));
-  // nor is one too many
-  EXPECT_EQ(read("time (s)\n1.0\n1.6\n1.6004\n2.08\n2.46\n").back().drop, 0);
-  // a time that stands twice is no beginning of another drop
-  EXPECT_THROW(read("time (s)\n1.0\n1.4\n1.4\n1.7\n"), FileError);
-}
-
-TEST(ForeignTable, ItsTimesAreTheColumnThatSaysSo) {
-  // a number of the impact that begins anew, or has a gap
-  EXPECT_EQ(read("impact,time (s)\n0,1.0\n1,1.6\n5,2.1\n6,2.5\n")[1].t_s, 1.6);
-  // thousands separators are no numbers: what stands beside them is not taken instead
-  EXPECT_THAT(refusal("Peak;Time (ms)\n0.9;1,000.0\n0.8;1,395.7\n0.7;1,712.8\n"),
-              HasSubstr("line 2, column 'Time (ms)': '1,000.0' is no number"));
-  EXPECT_THAT(refusal("Peak;Time (ms)\n0,9;1,000\n0,8;1,395\n0,7;1,712\n"), HasSubstr("does a comma part thousands?"));
-  EXPECT_THAT(refusal("Time ball 1 (s),Time ball 2 (s)\n1.0,10.0\n1.6,10.5\n2.1,10.9\n"),
-              HasSubstr("a column for each drop"));
-  EXPECT_THAT(refusal("time\n1000 ms\n1396 ms\n1.711 s\n1.961 s\n"), HasSubstr("a unit beside its number"));
-}
-
-TEST(ForeignTable, OfSpeedsAndCoefficientsIsFoundByItsTitlesOrTold) {
-  const auto samples = [](const std::string& text, const std::string& columns = {}) {
-    ForeignOptions options;
-    options.columns = columns;
-    return samples_from_table(samples_from_foreign(read_foreign_table(text, "x"), "x", options).table, "x");
-  };
-  const RestitutionSamples german =
-      samples("Versuch;v_in (cm/s);v_out (cm/s);COR\n1;120,5;102,4;0,850\n2;98,0;83,3;0,850\n");
-  ASSERT_EQ(german.size(), 2U);
-  EXPECT_NEAR(german[0].v_mps, 1.205, 1e-12);
-  EXPECT_NEAR(german[1].eps, 0.85, 1e-12);
-  EXPECT_NEAR(german[1].sigma_eps.value_or(0.0), 0.001 / std::sqrt(12.0), 1e-12);  // of its three decimals
-  EXPECT_EQ(samples("a\tb\n0.9\t1.2\n0.8\t1.0\n", "eps=a,v=2")[1].v_mps, 1.0);
-  EXPECT_THROW(samples("a\tb\n0.9\t1.2\n"), FileError);
-  // our own as a spreadsheet saves it
-  EXPECT_EQ(samples("drop;impact;v_mps;eps\n0;1;1,2;0,8\n1;3;1,0;0,8\n")[1].drop, 1);
-  EXPECT_EQ(samples("drop;impact;v_mps;eps\n0;1;1,2;0,8\n1;3;1,0;0,8\n")[1].impact, 3);
+TEST(ForeignTable, OfSpeedsAndCoefficientsIsFoundByOurTitlesOrTold) {
+  const RestitutionSamples ours = samples("drop;impact;v_mps;eps\n0;1;1,2;0,800\n1;3;1,0;\n1;4;0,9;0,850\n");
+  ASSERT_EQ(ours.size(), 2U);
+  EXPECT_EQ(ours[1].drop, 1);
+  EXPECT_EQ(ours[1].impact, 4);
+  EXPECT_NEAR(ours[1].eps, 0.85, 1e-12);
+  EXPECT_NEAR(ours[1].sigma_eps.value_or(0.0), 0.001 / std::sqrt(12.0), 1e-12);  // of its three decimals
   EXPECT_EQ(samples("drop;v_mps;eps\nfirst;1,2;0,8\nsecond;1,0;0,8\n").size(), 2U);
-  EXPECT_THAT(test::refusal<FileError>([&] { samples("v;e\n1.2;89\n1.0;90\n0.8;91\n"); }), HasSubstr("per cent"));
-}
-
-TEST(DecodedText, NamesWhatItIsNot) {
-  const auto message = [](const std::string& bytes) -> std::string {
-    try {
-      return decoded_text(bytes, "x");
-    } catch (const FileError& error) {
-      return error.what();
-    }
+  EXPECT_EQ(samples("a\tb\n0.9\t1.2\n0.8\t1.0\n", "eps=a,v=2")[1].v_mps, 1.0);
+  for (const std::vector<std::string>& c :
+       cases_of("v (m/s) | 2\nv [cm/s] | .02\nv_mps | 2\nv (km/h) | 0.5555555555556\nv | 2"))
+    EXPECT_NEAR(samples(c[0] + ";e\n2;0.8\n1;0.8\n", "v=1,eps=e")[0].v_mps, number_of(c[1], '.').value().value, 1e-12);
+  const std::string table = "v (cm/s);e\n120;0.85\n98;0.85\n";
+  const auto asked = question_of([&] { samples(table); });
+  ASSERT_TRUE(asked);
+  ASSERT_EQ(asked->readings().size(), 1U);
+  EXPECT_NEAR(samples(table, asked->readings()[0].options.columns)[0].v_mps, 1.2, 1e-12);
+  const auto error = [](const std::string& text, const std::string& columns) {
+    return test::refusal<FileError>([&] { samples(text, columns); });
   };
-  EXPECT_THAT(message(std::string("\xFF\xFE\0\0a\0\0\0", 8)), HasSubstr("UTF-32"));
-  EXPECT_THAT(message("PK\x03\x04 spreadsheet"), HasSubstr("ZIP archive"));
-  EXPECT_THAT(message(std::string("\xFF\xFE\0\xDC", 4)), HasSubstr("damaged UTF-16"));
-  EXPECT_THAT(message(std::string("a\0b\0\0\0c d e f g", 15)), HasSubstr("bytes 0"));
-  EXPECT_THAT(message("\x81"), HasSubstr("neither UTF-8"));
-  EXPECT_EQ(message("\x80 5\n"), "\xE2\x82\xAC 5\n");                                  // the euro of Windows-1252
-  EXPECT_EQ(message(std::string("\xFF\xFE\x3D\xD8\x00\xDE", 6)), "\xF0\x9F\x98\x80");  // a pair of surrogates
+  EXPECT_THAT(error("v;e\n1.2;89\n1.0;90\n0.8;91\n", "v=v,eps=e"), HasSubstr("per cent"));
+  EXPECT_THAT(error("t (s);e\n1.2;.8\n", "v=1,eps=e"), HasSubstr("is no speed"));
+  EXPECT_THAT(error("v;e\n1.2;.8\n1;x\n", "v=v,eps=e"), HasSubstr("line 3, column 'e': 'x'"));
+  EXPECT_TRUE(question_of([&] { samples("n;v_mps;eps\n1;1.2;.8\n2;1;.8\nmean;1.1;.8\n"); }));
 }
 
 }  // namespace

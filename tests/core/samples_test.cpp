@@ -49,6 +49,15 @@ TEST(Samples, ATableOfSpeedsAndCoefficientsIsEnough) {
   EXPECT_TRUE(samples[1].flags.empty());
 }
 
+TEST(Samples, AStandardErrorOfZeroIsNotKnown) {
+  std::istringstream in("v_mps,eps,sigma_v_mps,sigma_eps\n1.5,0.85,0,0\n1.5,0.85,,\n1.2,0.85,0.1,0.002\n");
+  const RestitutionSamples samples = samples_from_table(read_csv(in, "x", sample_columns()), "x");
+  EXPECT_FALSE(samples[0].sigma_v_mps);
+  EXPECT_EQ(samples[0].sigma_eps, samples[1].sigma_eps);  // of the digits
+  EXPECT_EQ(samples[2].sigma_v_mps, 0.1);
+  EXPECT_EQ(samples[2].sigma_eps, 0.002);
+}
+
 TEST(Samples, CorrectionsAreWordsThatAreKnown) {
   const auto conditions_of = [](const std::string& corrected) {
     return samples_from_table(Table{{{"v_mps", std::vector<double>{1.0}},

@@ -101,5 +101,49 @@ TEST(Utf8, AnyBytesBecomeValidTextAndComeBack) {
   }
 }
 
+TEST(DecodedText, IsTheSameInPiecesOfAnySize) {
+  const std::string utf8 = "Zeit;\xC3\xA4\xE2\x82\xAC\xF0\x9F\x98\x80\n";
+  const std::u16string utf16 = u"\uFEFFZeit;\u00E4\u20AC\U0001F600\n";
+  const std::u32string utf32 = U"\uFEFFZeit;\u00E4\u20AC\U0001F600\n";
+  std::string big_endian(reinterpret_cast<const char*>(utf16.data()), 2 * utf16.size());
+  for (std::size_t k = 0; k < big_endian.size(); k += 2) std::swap(big_endian[k], big_endian[k + 1]);
+  for (const std::string& bytes :
+       {"\xEF\xBB\xBF" + utf8, big_endian, std::string(reinterpret_cast<const char*>(utf16.data()), 2 * utf16.size()),
+        std::string(reinterpret_cast<const char*>(utf32.data()), 4 * utf32.size())})
+    for (std::size_t n = 4; n <= bytes.size(); ++n) {
+      TextDecoder decoder("x");
+      std::string text;
+      for (std::size_t at = 0; at < bytes.size(); at += at == 0 ? n : 1)
+        decoder.append(std::string_view(bytes).substr(at, at == 0 ? n : 1), text);
+      decoder.finish();
+      EXPECT_EQ(text, utf8) << n;
+    }
+}
+
+TEST(DecodedText, NamesWhatItIsNot) {
+  const auto message = [](const std::string& bytes) -> std::string {
+    try {
+      return decoded_text(bytes, "x");
+    } catch (const FileError& error) {
+      return error.what();
+    }
+  };
+  EXPECT_EQ(message(std::string("\xFF\xFE\0\0a\0\0\0", 8)), "a");
+  EXPECT_EQ(message(std::string("\0\0\xFE\xFF\0\0\0a", 8)), "a");
+  EXPECT_THAT(message(std::string("\0\0\xFE\xFF\0\0\0", 7)), HasSubstr("cut off within a character of UTF-32"));
+  const std::string zip = "PK\x03\x04" + std::string(26, ' ');
+  for (const char* first : {"[Content_Types].xml", "docProps/app.xml", "xl/workbook.xml",
+                            "mimetypeapplication/vnd.oasis", "Index/Document.iwa"})
+    EXPECT_EQ(message(zip + first), "x: is a workbook: save the sheet as CSV") << first;
+  EXPECT_EQ(message("\xD0\xCF\x11\xE0\xA1\xB1\x1A\xE1"), "x: is a workbook: save the sheet as CSV");
+  EXPECT_EQ(message(zip + "Raw Data.csv"), "x: is a ZIP archive: unpack it, or save the sheet as CSV");
+  EXPECT_THAT(message("PK\x03\x04"), HasSubstr("ZIP archive"));
+  EXPECT_THAT(message(std::string("\xFF\xFE\0\xDC", 4)), HasSubstr("damaged UTF-16"));
+  EXPECT_THAT(message(std::string("a\0b\0\0\0c d e f g", 15)), HasSubstr("bytes 0"));
+  EXPECT_THAT(message("\x81"), HasSubstr("neither UTF-8"));
+  EXPECT_EQ(message("\x80 5\n"), "\xE2\x82\xAC 5\n");                                  // the euro of Windows-1252
+  EXPECT_EQ(message(std::string("\xFF\xFE\x3D\xD8\x00\xDE", 6)), "\xF0\x9F\x98\x80");  // a pair of surrogates
+}
+
 }  // namespace
 }  // namespace bouncelab

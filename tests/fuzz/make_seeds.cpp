@@ -181,6 +181,10 @@ void write_foreign(const Seeds& seeds) {
   seeds.write("foreign", "comma", "Nr;Zeit (ms);Notiz\n1;400,0;a\n2;1000,0;b\n3;1510,0;\n");
   seeds.write("foreign", "clock",
               "Name\tStart\tDuration\nMarker 1\t0:00.400\t0:00.000\nMarker 2\t0:01.000\t0:00.000\n");
+  seeds.write("foreign", "drops", "drop,dt (ms),level\n1,600,\n,480,3\n2,600,\n,480,\n\n3,590,\n,470,\n");
+  seeds.write("foreign", "asked", "trial\tA (s)\tB [ms]\n1\t0,4\t9\n1\t1,0\t8\n2\t1,5\t7\n2\t1,9\t6\n");
+  seeds.write("foreign", "fall", "0,6\n0,51\n0,4335\n");
+  seeds.write("foreign", "dates", "at\n2026-11-28T10:00:00.5Z\n2026-11-28T11:00:01+01:00\n2026-11-28T10:00:01.5Z\n");
   seeds.write("foreign", "eps", "speed (cm/s);e\n120,5;0,85\n98,0;0,85\n");
   seeds.write("foreign", "utf16",
               std::string("\xFF\xFE"

@@ -85,18 +85,31 @@ class Errors(Case):
         super().setUp()
         self.onsets = bl.Onsets(t=[0.0, 1.0, 1.9, 2.71])
 
+    def written(self, text):
+        path = self.path("there.csv")
+        with open(path, "w", encoding="ascii") as file:
+            file.write(text)
+        return path
+
     def test_files(self):
-        here = self.path("there.csv")
-        with open(here, "w", encoding="ascii") as file:
-            file.write("t_s\n1\nx\n")
+        here = self.written("t_s\n1\nx\n")
         for call in [lambda: bl.detect("/nonexistent.wav"), lambda: bl.detect(["/none.wav", "/nonexistent.wav"]),
                      lambda: bl.restitution("/nonexistent.csv"), lambda: bl.restitution(here),
                      lambda: self.onsets.to_csv("/nonexistent/x.csv"), lambda: bl.Fit.from_json("/nonexistent.json"),
-                     lambda: bl.simulate(surface="/nonexistent.csv"), lambda: bl.Samples.from_csv(here)]:
+                     lambda: bl.simulate(surface="/nonexistent.csv")]:
             with self.assertRaises(OSError):
                 call()
         with self.assertRaisesRegex(OSError, "row 2|line 3"):
             bl.restitution(pathlib.Path(here))
+
+    def test_a_table_that_does_not_prove_what_it_holds_is_asked_with_its_answers(self):
+        with self.assertRaisesRegex(ValueError, "--columns v=COLUMN,eps=COLUMN"):
+            bl.Samples.from_csv(self.written("t_s\n1\n2\n"))
+        falling = self.written("0.6\n0.51\n0.4335\n")
+        with self.assertRaisesRegex(ValueError, "do not rise.*; say .*taken_as='intervals', unit='s'"):
+            bl.Onsets.from_csv(falling)
+        onsets = bl.Onsets.from_csv(falling, taken_as="intervals", unit="s")
+        np.testing.assert_allclose(onsets.t, [0.0, 0.6, 1.11, 1.5435])
 
     def test_one_of_several_recordings_that_cannot_be_read_is_left_out(self):
         small_sound(bl, small_impacts(bl, drops=1)).write(self.path("s.wav"))

@@ -217,6 +217,14 @@ class Tables(Case):
         self.assertRegex(onsets.summary["taken_for"][0], "times in ms")
         onsets = bl.Onsets.from_csv(self.path("t.csv"), columns="t=2", unit="s", taken_as="times")
         self.assertEqual(onsets.t[1], 1000.0)
+        with open(self.path("asked.csv"), "w") as file:
+            file.write("Nr;Zeit\n1;400,0\n2;1000,0\n3;1510,0\n4;1943,5\n")
+        for read in (bl.Onsets.from_csv, bl.restitution):
+            with self.assertRaisesRegex(ValueError, r"no title has a unit of time.*; say Onsets\.from_csv\(path, "
+                                        r"taken_as='times', unit='ms', columns='t=Zeit'\) \(times in ms by column 'Zeit'\)"):
+                read(self.path("asked.csv"))
+        asked = bl.Onsets.from_csv(self.path("asked.csv"), taken_as="times", unit="ms", columns="t=Zeit")
+        np.testing.assert_array_equal(asked.t, bl.Onsets.from_csv(self.path("t.csv")).t)
         with open(self.path("v.csv"), "w") as file:
             file.write("a;b\n1,2;0,85\n1,0;0,86\n")
         np.testing.assert_allclose(bl.Samples.from_csv(self.path("v.csv"), columns="v=a,eps=b").eps, [0.85, 0.86])

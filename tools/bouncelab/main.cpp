@@ -76,6 +76,10 @@ bool is_command(const std::vector<std::string>& typed) {
   return !typed.empty() && command_named(all_commands(), typed.front()) != nullptr;
 }
 
+bool is_input(const std::string& typed) {
+  return typed == "-" || (std::filesystem::exists(typed) && !std::filesystem::is_directory(typed));
+}
+
 /// The arguments, with those in full that people write short: nothing asks for help, as does `help COMMAND`; recordings
 /// alone are to be analyzed.
 std::vector<std::string> in_full(std::vector<std::string> typed) {
@@ -83,7 +87,7 @@ std::vector<std::string> in_full(std::vector<std::string> typed) {
   if (typed.front() == "help") {
     typed.erase(typed.begin());
     typed.emplace_back("--help");
-  } else if (!is_command(typed) && (typed.front() == "-" || std::filesystem::is_regular_file(typed.front()))) {
+  } else if (!is_command(typed) && is_input(typed.front())) {
     typed.insert(typed.begin(), "analyze");
   }
   return typed;
@@ -229,8 +233,10 @@ void say_readings(const AmbiguousTable& table, const std::vector<std::string>& l
   std::string command = "bouncelab";
   for (std::size_t k = 1; k < line.size(); ++k) {
     const bool is_answer = line[k] == "--as" || line[k] == "--unit" || line[k] == "--columns";
-    if (is_answer) ++k;
-    else command += " " + shell_word(line[k]);
+    if (is_answer)
+      ++k;
+    else
+      command += " " + shell_word(line[k]);
   }
   for (const AmbiguousTable::Reading& reading : table.readings())
     say("  " + reading.meaning + ": " + command + " " + command_line_of(reading.options));
@@ -250,7 +256,8 @@ int run_and_report(const std::vector<std::string>& line) {
   } catch (const FileError& error) {
     return fail("bouncelab: " + std::string(error.what()), kFileError, json);
   } catch (const AmbiguousTable& error) {
-    const int exit_code = fail("bouncelab: " + (json ? std::string(error.what()) : error.question()), kWrongUsage, json);
+    const int exit_code =
+        fail("bouncelab: " + (json ? std::string(error.what()) : error.question()), kWrongUsage, json);
     say_readings(error, line);
     return exit_code;
   } catch (const InvalidArgument& error) {

@@ -262,11 +262,9 @@ fit::RestitutionConfig with_ball(const RestitutionOptions& options) {
 Description members_of(const ForeignFileOptions*) {
   using O = ForeignFileOptions;
   static constexpr Member all[]{
-      member<&O::table, &ForeignOptions::as>("as",
-                                             "What the numbers are; auto: what their table proves")
+      member<&O::table, &ForeignOptions::as>("as", "What the numbers are; auto: what their table proves")
           .one_of("auto,times,intervals"),
-      member<&O::table, &ForeignOptions::unit>("unit", "Their unit; auto: that of their title")
-          .one_of("auto,s,ms,us"),
+      member<&O::table, &ForeignOptions::unit>("unit", "Their unit; auto: that of their title").one_of("auto,s,ms,us"),
       member<&O::table, &ForeignOptions::columns>(
           "columns", "Which columns are what, by title or number from 1 (default: by the units of their titles)")
           .looks_like("t=COLUMN[,drop=COLUMN]"),

@@ -17,7 +17,8 @@ AmbiguousTable::AmbiguousTable(const std::string& file, const std::string& quest
     : InvalidArgument([&] {
         std::string text = printable(file) + ": " + question;
         for (std::size_t k = 0; k < readings.size(); ++k)
-          text += (k == 0 ? "; say " : " or ") + command_line_of(readings[k].options) + " (" + readings[k].meaning + ")";
+          text +=
+              (k == 0 ? "; say " : " or ") + command_line_of(readings[k].options) + " (" + readings[k].meaning + ")";
         return text;
       }()),
       question_(printable(file) + ": " + question),
@@ -27,7 +28,8 @@ AmbiguousTable::AmbiguousTable(const std::string& file, const std::string& quest
 std::string command_line_of(const ForeignOptions& options) {
   std::string text;
   const auto add = [&](const char* name, const std::string& value) {
-    if (value != "auto" && !value.empty()) text += (text.empty() ? "--" : " --") + std::string(name) + " " + shell_word(value);
+    if (value != "auto" && !value.empty())
+      text += (text.empty() ? "--" : " --") + std::string(name) + " " + shell_word(value);
   };
   add("as", options.as), add("unit", options.unit), add("columns", options.columns);
   return text;
@@ -59,7 +61,7 @@ std::string format_in_words(const ForeignTable& table) {
 
 std::optional<std::size_t> own_column(const ForeignTable& table, std::string_view title) {
   const auto found = std::find(table.titles.begin(), table.titles.end(), title);
-  if (found == table.titles.end()) return std::nullopt;
+  if (found == table.titles.end() || !is_alone(table, *found)) return std::nullopt;
   return static_cast<std::size_t>(found - table.titles.begin());
 }
 
@@ -111,15 +113,18 @@ void ask(const ForeignTable& table, const std::string& name, const std::string& 
 
 void check_first_cells(const ForeignTable& table, const std::string& name) {
   const ForeignTable::Row* word = nullptr;
-  std::size_t n_numbers = 0;
+  std::size_t n_numbers = 0, n_words = 0;
   for (const ForeignTable::Row& row : table.rows) {
     if (table.number(row, 0)) ++n_numbers;
-    else if (!row.cells[0].empty() && !word) word = &row;
+    if (table.number(row, 0) || row.cells[0].empty()) continue;
+    ++n_words;
+    if (!word) word = &row;
   }
-  if (word && 2 * n_numbers > table.rows.size())
+  if (n_numbers > n_words && word)
     ask(table, name,
         "line " + std::to_string(word->line) + " begins with '" + printable(word->cells[0], 60) +
-            "' where the others begin with a number; is it a measurement? Delete the line if it is none, and the word if it is",
+            "' where the others begin with a number; is it a measurement? Delete the line if it is none, and the word "
+            "if it is",
         {});
 }
 

@@ -22,7 +22,7 @@ std::string format_in_words(const ForeignTable& table);
 /// The column that --columns names for a key: "t=Time (s),drop=2". @throws InvalidArgument, FileError
 std::optional<std::size_t> told_column(const ForeignTable& table, const ForeignOptions& options, std::string_view key,
                                        const std::string& name);
-/// The column of an exact title; that of two such is not told. @throws AmbiguousTable
+/// The column of an exact title; of two such neither is told.
 std::optional<std::size_t> own_column(const ForeignTable& table, std::string_view title);
 /// Columns that have our titles keep them, with their values.
 void add_own_columns(const ForeignTable& foreign, const std::vector<ColumnSpec>& own, const std::string& name,

@@ -2,7 +2,7 @@
 // Times and intervals of other people's tables. The rule, whole (docs/formats.md, "Files of other programs"):
 //
 //   the column: --columns t=...; else our t_s; else the one whose title has a unit of time, or whose cells are clock
-//               times, dates with times, or seconds (ms, us, ns) since 1970; else, without titles, the only column or row
+//               times, dates with times, or seconds (ms, us, ns) since 1970; else, untitled, the only column or row
 //   its unit:   the cells', --unit, the title's; else seconds, if the speeds that follow are those of balls
 //   what it is: --as; else intervals, if its title is dt, Delta t or interval; else times, if they rise, or rise again
 //               in each drop for three impacts or more
@@ -37,8 +37,10 @@ struct Sequence {
   std::vector<Value> values;
   std::optional<std::size_t> column;  ///< absent: a row
   std::optional<TitleUnit> unit;
-  bool has_drops = false;
+  bool has_drops = false;  ///< a column tells them; between blank lines there may be more
 };
+
+constexpr const char* kClock = "clock times";
 
 /// The unit of a column by its cells, else by its title.
 std::optional<TitleUnit> unit_of(const ForeignTable& table, std::size_t column) {
@@ -52,11 +54,20 @@ std::optional<TitleUnit> unit_of(const ForeignTable& table, std::size_t column) 
       ++n, n_clocks += number->is_clock ? 1 : 0;
       least = std::min(least, number->value), most = std::max(most, number->value);
     }
-  if (n > 0 && n_clocks == n) return TitleUnit{Dimension::time, 1.0, "clock times", {}};
+  if (n > 0 && n_clocks == n) return TitleUnit{Dimension::time, 1.0, kClock, {}};
   if (const auto titled = unit_of_title(title_of(table, column))) return titled;
   for (const auto& [unit_s, words] : kSince1970)
-    if (n > 0 && unit_s * least > kFrom_s && unit_s * most < kTo_s) return TitleUnit{Dimension::time, unit_s, words, {}};
+    if (n > 0 && unit_s * least > kFrom_s && unit_s * most < kTo_s)
+      return TitleUnit{Dimension::time, unit_s, words, {}};
   return std::nullopt;
+}
+
+/// --columns with this column of times, and what was told of drops.
+std::string with_times(const ForeignTable& table, const ForeignOptions& options, std::size_t column) {
+  std::string text = column_option(table, "t", column);
+  for (const std::string_view part : cells_of(options.columns, ','))
+    if (part.starts_with("drop=")) text += "," + std::string(part);
+  return text;
 }
 
 ForeignOptions told(std::string as, std::string unit, std::string columns) {
@@ -82,10 +93,10 @@ bool rise(const Sequence& sequence) {
       ++n;
       continue;
     }
-    if (!begins && n < kLeast) return false;
+    if (!begins && (n < kLeast || sequence.has_drops)) return false;
     n = 1;
   }
-  return sequence.has_drops || n >= kLeast || n == sequence.values.size();
+  return sequence.has_drops || sequence.values.back().part > 0 || n >= kLeast || n == sequence.values.size();
 }
 
 /// In the median, in the unit of the numbers; 0 of a single time.
@@ -111,21 +122,54 @@ bool are_equal_steps(const Sequence& sequence, std::size_t least) {
 }
 
 /// What a column without a unit would be: times or intervals of a ball in s, ms or us.
-std::optional<Reading> likely_reading(const ForeignTable& table, std::size_t column) {
+std::optional<Reading> likely_reading(const ForeignTable& table, const ForeignOptions& options, std::size_t column) {
   Sequence sequence;
   for (const ForeignTable::Row& row : table.rows)
     if (const auto number = table.number(row, column)) sequence.values.push_back({*number, row.line, 0});
   if (unit_of(table, column) || sequence.values.size() < 3 || are_equal_steps(sequence, 3)) return std::nullopt;
   const bool times = rise(sequence);
+  const auto stands_again = [](const Sequence::Value& a, const Sequence::Value& b) {
+    return a.number.value == b.number.value;
+  };
+  if (times &&
+      std::adjacent_find(sequence.values.begin(), sequence.values.end(), stands_again) != sequence.values.end())
+    return std::nullopt;
   for (const auto& [unit, unit_s] : kTimeUnits)
     if (are_of_a_ball(unit_s * typical_interval(sequence, !times)))
       return Reading{(times ? "times in " : "intervals in ") + std::string(unit) + " by " + column_name(table, column),
-                     told(times ? "times" : "intervals", unit, column_option(table, "t", column))};
+                     told(times ? "times" : "intervals", unit, with_times(table, options, column))};
   return std::nullopt;
 }
 
+/// Have all columns the same unit, or none? A height among times of one row is no time.
+bool are_alike(const ForeignTable& table) {
+  const auto first = unit_of(table, 0);
+  for (std::size_t k = 1; k < table.n_columns(); ++k)
+    if (const auto unit = unit_of(table, k);
+        !table.rows.front().cells[k].empty() &&
+        (unit.has_value() != first.has_value() || (unit && unit->name != first->name)))
+      return false;
+  return true;
+}
+
+Sequence row_of(const ForeignTable& table, const std::string& name) {
+  Sequence sequence;
+  const ForeignTable::Row& row = table.rows.front();
+  for (std::size_t k = 0; k < table.n_columns(); ++k) {
+    const auto number = number_in(table, row, k, name);
+    if (number && sequence.values.size() < k)
+      throw FileError(name, "line " + std::to_string(row.line) + ", " + column_name(table, sequence.values.size()) +
+                                ": the cell is empty, and without it two intervals would be one");
+    if (number) sequence.values.push_back({*number, row.line, 0});
+  }
+  const auto unit = unit_of(table, 0);
+  if (unit && unit->dimension == Dimension::time) sequence.unit = unit;
+  return sequence;
+}
+
 /// The column of times or intervals; absent: the only row is one.
-std::optional<std::size_t> column_of(const ForeignTable& table, const ForeignOptions& options, const std::string& name) {
+std::optional<std::size_t> column_of(const ForeignTable& table, const ForeignOptions& options,
+                                     const std::string& name) {
   if (const auto column = told_column(table, options, "t", name)) return column;
   std::vector<std::size_t> of_time, measured;
   std::vector<Reading> readings;
@@ -135,16 +179,23 @@ std::optional<std::size_t> column_of(const ForeignTable& table, const ForeignOpt
     if (!unit) continue;
     measured.push_back(k);
     if (unit->dimension != Dimension::time) continue;
-    if (is_own) return k;
+    if (is_own && std::count(table.titles.begin(), table.titles.end(), "t_s") == 1) return k;
     of_time.push_back(k);
-    readings.push_back({column_name(table, k), told(options.as, options.unit, column_option(table, "t", k))});
+    readings.push_back({column_name(table, k), told(options.as, options.unit, with_times(table, options, k))});
   }
-  const bool is_row = table.rows.size() == 1 && table.n_columns() > 1;
+  const bool is_row = table.rows.size() == 1 && table.n_columns() > 1 && are_alike(table);
   if (measured.size() == 1 && of_time.size() == 1 && !is_row) return of_time.front();
   if (is_row && options.as != "auto") return std::nullopt;
+  if (is_row && !of_time.empty()) {
+    const bool times = rise(row_of(table, name));
+    readings = {
+        {times ? "times in a row" : "intervals in a row", told(times ? "times" : "intervals", options.unit, {})}};
+  }
   if (of_time.size() > 1)
-    ask(table, name, std::to_string(of_time.size()) + " columns are of a time, and one is read; which? Several drops "
-        "stand below each other, with a column drop", std::move(readings));
+    ask(table, name,
+        std::to_string(of_time.size()) +
+            " columns are of a time, and one is read; which? Several drops stand below each other, with a column drop",
+        std::move(readings));
   if (measured.size() > 1 && !of_time.empty())
     ask(table, name, "has a time and another measured quantity: which is to be read?", std::move(readings));
   if (table.titles.empty() && is_row) return std::nullopt;
@@ -155,8 +206,9 @@ std::optional<std::size_t> column_of(const ForeignTable& table, const ForeignOpt
             " is another quantity; bouncelab fit takes speeds and coefficients",
         {});
   for (std::size_t k = 0; k < table.n_columns(); ++k)
-    if (const auto reading = likely_reading(table, k)) readings.push_back(*reading);
-  ask(table, name, table.titles.empty() ? "which column is of times or intervals?" : "no title has a unit of time, such as Time (s)",
+    if (const auto reading = likely_reading(table, options, k)) readings.push_back(*reading);
+  ask(table, name,
+      table.titles.empty() ? "which column is of times or intervals?" : "no title has a unit of time, such as Time (s)",
       std::move(readings));
 }
 
@@ -164,21 +216,14 @@ std::optional<std::size_t> column_of(const ForeignTable& table, const ForeignOpt
 Sequence sequence_of(const ForeignTable& table, const ForeignOptions& options, const std::string& name) {
   Sequence sequence;
   sequence.column = column_of(table, options, name);
-  if (!sequence.column) {
-    for (std::size_t k = 0; k < table.n_columns(); ++k) {
-      const auto number = number_in(table, table.rows.front(), k, name);
-      if (!number) break;
-      sequence.values.push_back({*number, table.rows.front().line, 0});
-    }
-    const auto unit = unit_of(table, 0);
-    if (unit && unit->dimension == Dimension::time) sequence.unit = unit;
-    return sequence;
-  }
+  if (!sequence.column) return row_of(table, name);
   const std::size_t column = *sequence.column;
   sequence.unit = unit_of(table, column);
   auto drop = told_column(table, options, "drop", name);
-  if (!drop) drop = own_column(table, "drop");
   if (!drop && column > 0) check_first_cells(table, name);
+  if (!drop && std::count(table.titles.begin(), table.titles.end(), "drop") > 1)
+    ask(table, name, "several columns are called drop; name one: --columns t=COLUMN,drop=NUMBER", {});
+  if (!drop) drop = own_column(table, "drop");
   std::int64_t part = 0;
   std::vector<std::string> drops;
   std::optional<std::size_t> gap;  // the line of an empty cell behind a number of this part
@@ -201,9 +246,12 @@ Sequence sequence_of(const ForeignTable& table, const ForeignOptions& options, c
       throw FileError(name, "line " + std::to_string(*gap) + ", " + column_name(table, column) +
                                 ": the cell is empty, and without it two intervals would be one; write it, or a blank "
                                 "line in its place, which begins a new drop");
+    if (number->is_clock && !(sequence.unit && sequence.unit->si == 1.0))
+      throw FileError(name, "line " + std::to_string(row.line) + ", " + column_name(table, column) + ": '" +
+                                printable(row.cells[column], 60) + "' is a clock time, and others are not");
     sequence.values.push_back({*number, row.line, part});
   }
-  sequence.has_drops = drop.has_value() || part > 0;
+  sequence.has_drops = drop.has_value();
   return sequence;
 }
 
@@ -233,6 +281,8 @@ bool are_intervals(const ForeignTable& table, const Sequence& sequence, const Fo
 /// Seconds per unit of the numbers.
 double unit_s_of(const ForeignTable& table, Sequence& sequence, bool intervals, const ForeignOptions& options,
                  const std::string& name) {
+  const bool is_clock = sequence.unit && sequence.unit->name == kClock;
+  if (is_clock && options.unit != "auto") return 1.0;  // its cells are in seconds, whatever is said
   for (const auto& [unit, unit_s] : kTimeUnits)
     if (options.unit == unit) return sequence.unit = TitleUnit{Dimension::time, unit_s, unit, {}}, unit_s;
   if (!sequence.unit) sequence.unit = TitleUnit{Dimension::time, 1.0, "s", {}};
@@ -241,10 +291,10 @@ double unit_s_of(const ForeignTable& table, Sequence& sequence, bool intervals, 
   if (typical == 0.0 || are_of_a_ball(unit_s * typical)) return unit_s;
   std::vector<Reading> readings;
   for (const auto& [unit, other_s] : kTimeUnits)
-    if (are_of_a_ball(other_s * typical))
+    if (is_clock ? other_s == 1.0 : are_of_a_ball(other_s * typical))
       readings.push_back({std::string("in ") + unit, told(options.as, unit, options.columns)});
   ask(table, name,
-      "intervals of " + short_number(typical) + " " + sequence.unit->name +
+      "intervals of " + short_number(typical) + " " + (is_clock ? "s" : sequence.unit->name) +
           " in the median, which no ball has; in which unit are they?",
       std::move(readings));
 }
@@ -284,11 +334,10 @@ Times times_of_intervals(const Sequence& sequence, double unit_s, const std::str
     const Sequence::Value& here = sequence.values[k];
     if (!(here.number.value > 0.0))
       throw FileError(name, "line " + std::to_string(here.line) + ": an interval of " +
-                                short_number(here.number.value) + "; intervals are above 0: leave it out, or say "
-                                "--as times");
-    const bool begins = k == 0 || (sequence.has_drops
-                                       ? here.part != sequence.values[k - 1].part
-                                       : here.number.value > kGrown * sequence.values[k - 1].number.value);
+                                short_number(here.number.value) +
+                                "; intervals are above 0: leave it out, or say --as times");
+    const bool begins = k == 0 || here.part != sequence.values[k - 1].part ||
+                        (!sequence.has_drops && here.number.value > kGrown * sequence.values[k - 1].number.value);
     if (begins) times.t_s.push_back(0.0), times.drop.push_back(++drop);
     times.t_s.push_back(times.t_s.back() + unit_s * here.number.value);
     times.drop.push_back(drop);
@@ -299,13 +348,12 @@ Times times_of_intervals(const Sequence& sequence, double unit_s, const std::str
 /// Asks about a column whose cells stand in blocks ("1 1 1 2 2 2") that are not the drops found.
 /// @param drop_of_row  -1: the row has no impact
 void check_blocks(const ForeignTable& table, std::size_t column, const std::vector<std::int64_t>& drop_of_row,
-                  const std::string& name) {
+                  const ForeignOptions& options, const std::string& name) {
   const std::vector<ColumnSpec> own = onset_columns();
   for (std::size_t k = 0; k < table.n_columns(); ++k) {
     const std::string title = title_of(table, k);
-    if (k == column || unit_of(table, k) || std::any_of(own.begin(), own.end(), [&](const ColumnSpec& spec) {
-          return spec.name == title;
-        }))
+    if (k == column || unit_of(table, k) ||
+        std::any_of(own.begin(), own.end(), [&](const ColumnSpec& spec) { return spec.name == title; }))
       continue;
     std::vector<std::string> blocks;
     bool same = true;
@@ -331,8 +379,8 @@ void check_blocks(const ForeignTable& table, std::size_t column, const std::vect
     if (!are_blocks || (same && n_drops == blocks.size())) continue;
     const std::string t = column_option(table, "t", column);
     ask(table, name, column_name(table, k) + " changes where no new drop is seen; does it tell the drops?",
-        {{"it does", told("auto", "auto", t + "," + column_option(table, "drop", k))},
-         {"it does not", told("auto", "auto", t)}});
+        {{"it does", told(options.as, options.unit, t + "," + column_option(table, "drop", k))},
+         {"it does not", told(options.as, options.unit, t)}});
   }
 }
 
@@ -359,9 +407,11 @@ TakenTable onsets_from_foreign(const ForeignTable& table, const std::string& nam
   Sequence sequence = sequence_of(table, options, name);
   if (sequence.values.empty()) throw FileError(name, "holds no times or intervals");
   constexpr std::size_t kFrames = 8;  // of a video
-  if (options.as == "auto" && are_equal_steps(sequence, kFrames) && table.n_columns() > 1 && sequence.column)
-    ask(table, name, "has times that are equally spaced, as the frames of a video are; impact times are needed: leave "
-        "the rows of the impacts only", {{"if each row is an impact", told("times", options.unit, column_option(table, "t", *sequence.column))}});
+  if (options.as == "auto" && are_equal_steps(sequence, kFrames))
+    ask(table, name,
+        "has times that are equally spaced, as the frames of a video are; impact times are needed: leave "
+        "the rows of the impacts only",
+        {{"if each is an impact", told("times", options.unit, options.columns)}});
   const bool intervals = are_intervals(table, sequence, options, name);
   const double unit_s = unit_s_of(table, sequence, intervals, options, name);
   Times times = intervals ? times_of_intervals(sequence, unit_s, name) : times_of_times(sequence, unit_s, name);
@@ -373,7 +423,7 @@ TakenTable onsets_from_foreign(const ForeignTable& table, const std::string& nam
       if (intervals && (impact == 0 || times.drop[impact] != times.drop[impact - 1])) ++impact;  // its first, at 0
       drop_of_row[row] = times.drop[impact++];
     }
-    check_blocks(table, *sequence.column, drop_of_row, name);
+    check_blocks(table, *sequence.column, drop_of_row, options, name);
   }
   TakenTable taken;
   const std::size_t n_impacts = times.t_s.size();
@@ -390,10 +440,9 @@ TakenTable onsets_from_foreign(const ForeignTable& table, const std::string& nam
   for (std::size_t k = 0; k < n_impacts && !intervals; ++k) taken.table.stands_on(k, sequence.values[k].line);
   std::string how = !sequence.column ? "a row" : table.titles.empty() ? "" : column_name(table, *sequence.column);
   if (const std::string format = format_in_words(table); !format.empty()) how += (how.empty() ? "" : ", ") + format;
-  taken.taken_for = std::string(intervals ? "intervals" : "times") +
-                    (sequence.unit->name == "clock times" ? " as " : " in ") + sequence.unit->name +
-                    (how.empty() ? "" : " (" + how + ")") + ": " + std::to_string(n_impacts) + " impacts in " +
-                    std::to_string(n_drops) + (n_drops == 1 ? " drop" : " drops");
+  taken.taken_for = std::string(intervals ? "intervals" : "times") + (sequence.unit->name == kClock ? " as " : " in ") +
+                    sequence.unit->name + (how.empty() ? "" : " (" + how + ")") + ": " + std::to_string(n_impacts) +
+                    " impacts in " + std::to_string(n_drops) + (n_drops == 1 ? " drop" : " drops");
   return taken;
 }
 

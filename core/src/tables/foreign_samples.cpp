@@ -24,7 +24,7 @@ namespace {
         continue;
       ForeignOptions options;
       options.columns = column_option(table, "v", v) + "," + column_option(table, "eps", eps);
-      readings.push_back({"if " + column_name(table, eps) + " is the coefficient", options});
+      readings.push_back({column_name(table, eps) + " is the coefficient", options});
     }
   ask(table, name,
       "which columns are the speed and the coefficient of restitution? Name them: --columns v=COLUMN,eps=COLUMN; "

@@ -88,11 +88,15 @@ CellFormat format_without_titles(std::span<const Line> rows, const std::string& 
   if (formats.size() == 1) return formats.front().second;
   if (!options.columns.empty()) return formats.back().second;
   if (options.as != "auto" && formats.front().first == 1) return formats.front().second;
-  ForeignOptions one, two;
-  one.as = "times", two.columns = "t=1";
-  throw AmbiguousTable(name, "line " + std::to_string(rows.front().number) + ": " + printable(rows.front().text, 60) +
-                                 " is one number or several",
-                       {}, {{"one, with a decimal comma", one}, {"several, the first a time", two}});
+  ForeignOptions times = options, intervals = options, several = options;
+  times.as = "times", intervals.as = "intervals", several.columns = "t=1";
+  throw AmbiguousTable(name,
+                       "line " + std::to_string(rows.front().number) + ": " + printable(rows.front().text, 60) +
+                           " is one number or several",
+                       {},
+                       {{"times, with a decimal comma", times},
+                        {"intervals, with a decimal comma", intervals},
+                        {"several, the first a time", several}});
 }
 
 }  // namespace
@@ -100,13 +104,14 @@ CellFormat format_without_titles(std::span<const Line> rows, const std::string& 
 ForeignTable read_foreign_table(std::string_view text, const std::string& name, const ForeignOptions& options) {
   const std::vector<Line> lines = lines_of(text);
   if (lines.empty()) throw FileError(name, "is empty; a table of times or intervals, or marks are needed");
-  const auto first = std::find_if(lines.begin(), lines.end(), [](const Line& line) { return holds_a_number(line.text); });
+  const auto first =
+      std::find_if(lines.begin(), lines.end(), [](const Line& line) { return holds_a_number(line.text); });
   if (first == lines.end()) {
     const Line& below = lines[std::min<std::size_t>(1, lines.size() - 1)];  // where numbers are looked for
     throw FileError(name, "line " + std::to_string(below.number) + ": " + printable(below.text, 60) +
                               ": no line holds numbers; a table of times or intervals, or marks are needed");
   }
-  const std::span<const Line> rows(first, lines.end());
+  const std::span<const Line> rows = std::span(lines).subspan(static_cast<std::size_t>(first - lines.begin()));
   ForeignTable table;
   const auto cells_in = [&](std::string_view line) {
     const std::vector<std::string_view> cells = cells_of(line, table.format.separator);
@@ -117,6 +122,8 @@ ForeignTable read_foreign_table(std::string_view text, const std::string& name, 
   } else {
     table.format = format_below(std::prev(first)->text, rows);
     table.titles = cells_in(std::prev(first)->text);
+    // what stands below no title may be the digits behind a comma: "1,51" under "Time (s),,"
+    while (table.titles.size() > 1 && table.titles.back().empty()) table.titles.pop_back();
   }
   const std::size_t n_columns = table.titles.empty() ? cells_in(rows.front().text).size() : table.titles.size();
   if (n_columns > kMostColumns)
@@ -127,9 +134,10 @@ ForeignTable read_foreign_table(std::string_view text, const std::string& name, 
     std::vector<std::string> cells = cells_in(line.text);
     while (cells.size() > n_columns && cells.back().empty()) cells.pop_back();
     if (cells.size() > n_columns)
-      throw FileError(name, "line " + std::to_string(line.number) + " has " + std::to_string(cells.size()) +
-                                " cells, and the titles are " + std::to_string(n_columns) +
-                                "; write the same separator in both, or delete the line");
+      throw FileError(name,
+                      "line " + std::to_string(line.number) + " has " + std::to_string(cells.size()) +
+                          " cells, and the titles are " + std::to_string(n_columns) +
+                          "; write a title above each column and the same separator in all lines, or delete the line");
     cells.resize(n_columns);
     table.rows.push_back({line.number, line.follows_blank, std::move(cells)});
   }

@@ -67,7 +67,8 @@ std::optional<NumberCell> plain_number_of(std::string_view cell, char decimal) {
   std::copy(cell.begin(), cell.end(), text.begin());
   const std::string_view number(text.data(), cell.size());
   if (decimal == ',') {
-    if (number.find('.') != std::string_view::npos) return std::nullopt;
+    // "1," is the number 1 and a separator
+    if (number.find('.') != std::string_view::npos || number.ends_with(',')) return std::nullopt;
     std::replace(text.begin(), text.end(), ',', '.');
   }
   double value = 0.0;
@@ -83,7 +84,8 @@ std::optional<NumberCell> date_and_time(const std::string& cell) {
   std::smatch part;
   if (constexpr std::size_t kLongest = 40; cell.size() > kLongest || !std::regex_match(cell, part, kForm)) return {};
   const auto number = [&](std::size_t k) { return part[k].length() == 0 ? 0 : std::stoi(part[k]); };
-  const std::chrono::year_month_day day{std::chrono::year(number(1)), std::chrono::month(static_cast<unsigned>(number(2))),
+  const std::chrono::year_month_day day{std::chrono::year(number(1)),
+                                        std::chrono::month(static_cast<unsigned>(number(2))),
                                         std::chrono::day(static_cast<unsigned>(number(3)))};
   if (!day.ok()) return std::nullopt;
   const std::optional<NumberCell> fraction = plain_number_of("0." + part[7].str() + "e0", '.');
@@ -117,8 +119,7 @@ std::optional<NumberCell> clock_time(std::string_view cell, char decimal) {
 
 std::optional<NumberCell> number_of(std::string_view cell, char decimal) {
   if (cell.find(':') == std::string_view::npos) return plain_number_of(cell, decimal);
-  return cell.find('-') == std::string_view::npos ? clock_time(cell, decimal)
-                                                  : date_and_time(std::string(cell));
+  return cell.find('-') == std::string_view::npos ? clock_time(cell, decimal) : date_and_time(std::string(cell));
 }
 
 std::vector<CellFormat> formats_of(std::string_view line) {
@@ -144,26 +145,15 @@ struct KnownUnit {
   Dimension dimension;
   double si;
 };
-constexpr std::array<KnownUnit, 20> kUnits{{{"s", Dimension::time, 1.0},
-                                            {"sec", Dimension::time, 1.0},
-                                            {"ms", Dimension::time, 1e-3},
-                                            {"us", Dimension::time, 1e-6},
-                                            {"\xC2\xB5s", Dimension::time, 1e-6},  // micro sign
-                                            {"\xCE\xBCs", Dimension::time, 1e-6},  // Greek mu
-                                            {"min", Dimension::time, 60.0},
-                                            {"m", Dimension::length, 1.0},
-                                            {"cm", Dimension::length, 1e-2},
-                                            {"mm", Dimension::length, 1e-3},
-                                            {"in", Dimension::length, 0.0254},
-                                            {"ft", Dimension::length, 0.3048},
-                                            {"mps", Dimension::speed, 1.0},
-                                            {"m/s", Dimension::speed, 1.0},
-                                            {"cm/s", Dimension::speed, 1e-2},
-                                            {"mm/s", Dimension::speed, 1e-3},
-                                            {"km/h", Dimension::speed, 1.0 / 3.6},
-                                            {"mph", Dimension::speed, 0.44704},
-                                            {"ft/s", Dimension::speed, 0.3048},
-                                            {"in/s", Dimension::speed, 0.0254}}};
+constexpr std::array<KnownUnit, 20> kUnits{
+    {{"s", Dimension::time, 1.0},          {"sec", Dimension::time, 1.0},         {"ms", Dimension::time, 1e-3},
+     {"us", Dimension::time, 1e-6},        {"\xC2\xB5s", Dimension::time, 1e-6},  // micro sign
+     {"\xCE\xBCs", Dimension::time, 1e-6},                                        // Greek mu
+     {"min", Dimension::time, 60.0},       {"m", Dimension::length, 1.0},         {"cm", Dimension::length, 1e-2},
+     {"mm", Dimension::length, 1e-3},      {"in", Dimension::length, 0.0254},     {"ft", Dimension::length, 0.3048},
+     {"mps", Dimension::speed, 1.0},       {"m/s", Dimension::speed, 1.0},        {"cm/s", Dimension::speed, 1e-2},
+     {"mm/s", Dimension::speed, 1e-3},     {"km/h", Dimension::speed, 1.0 / 3.6}, {"mph", Dimension::speed, 0.44704},
+     {"ft/s", Dimension::speed, 0.3048},   {"in/s", Dimension::speed, 0.0254}}};
 
 const KnownUnit* unit_named(std::string_view name) {
   const auto* const known =

@@ -100,7 +100,7 @@ RowColumn<RestitutionSample> described(const std::string& name, std::optional<Th
 /// and one such row would outweigh all others. A flagged sample may be of a pair of intervals that are no pair.
 constexpr Range kUsedSpeed_mps = positive_up_to(1e4);
 constexpr Range kUsedEps{-1e3, 1e3};  // the fit warns of negative ones
-constexpr Range kSigma{0.0, 1e9};     // the fit takes 0 for not known, and says so
+constexpr Range kSigma{0.0, 1e9};     // 0: not known
 
 /// @throws FileError
 void check_used(const RestitutionSample& s, const std::string& place, const std::string& name) {
@@ -132,9 +132,10 @@ const RowColumns<RestitutionSample>& columns_of(const RestitutionSample*) {
       column("v_mps", &S::v_mps, "Normal impact speed, g T / 2; of impact 0 that of a fall from the height given")
           .required(),
       column("eps", &S::eps, "Coefficient of restitution; may exceed 1, never clamped").required(),
-      column("sigma_v_mps", &S::sigma_v_mps, "Standard error of `v_mps` from timing alone", kSigma),
+      column("sigma_v_mps", &S::sigma_v_mps, "Standard error of `v_mps` from timing alone; empty or 0: not known",
+             kSigma),
       column("sigma_eps", &S::sigma_eps,
-             "Standard error of `eps` from timing alone; empty: not known (the fit then neglects it, and says so)",
+             "Standard error of `eps` from timing alone; empty or 0: not known (the fit then neglects it, and says so)",
              kSigma),
       column("flags", &S::flags,
              "`missing_impact` or `extra_impact`: the ratio jumps as where an impact was missed or invented; "
@@ -182,7 +183,9 @@ RestitutionSamples samples_from_table(const Table& table, const std::string& nam
   for (std::size_t k = 0; k < samples.size(); ++k) {
     RestitutionSample& s = samples[k];
     if (!is_numbered) s.impact = static_cast<std::int64_t>(k);
-    if (!s.sigma_eps) s.sigma_eps = rounding;
+    // as other programs write what is not known
+    if (s.sigma_v_mps == 0.0) s.sigma_v_mps.reset();
+    if (s.sigma_eps.value_or(0.0) == 0.0) s.sigma_eps = rounding;
     if (!std::isfinite(s.v_mps) || !std::isfinite(s.eps)) s.flags.add(Flag::not_finite);
     check_used(s, table.place_of(k), name);
   }

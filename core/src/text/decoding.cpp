@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Text of other programs as UTF-8 with line feeds.
+#include <iconv.h>
+
 #include <algorithm>
-#include <cstdint>
-#include <optional>
+#include <array>
+#include <cerrno>
 #include <string>
 #include <string_view>
 
@@ -12,77 +14,79 @@
 namespace bouncelab {
 namespace {
 
-void append_utf8(std::string& text, std::uint32_t code) {
-  const auto put = [&](std::uint32_t byte) { text += static_cast<char>(byte); };
-  if (code < 0x80) return put(code);
-  if (code < 0x800) {
-    put(0xC0U | (code >> 6U));
-  } else {
-    if (code < 0x10000) {
-      put(0xE0U | (code >> 12U));
-    } else {
-      put(0xF0U | (code >> 18U));
-      put(0x80U | ((code >> 12U) & 0x3FU));
-    }
-    put(0x80U | ((code >> 6U) & 0x3FU));
-  }
-  put(0x80U | (code & 0x3FU));
-}
+using std::string_view_literals::operator""sv;
 
-/// Which byte of two is the high one; absent: no UTF-16. Without a mark: text of which more than half is ASCII.
-std::optional<std::size_t> high_byte(std::string_view head) {
-  if (head.starts_with("\xFF\xFE")) return 1;
-  if (head.starts_with("\xFE\xFF")) return 0;
-  std::size_t n_zero[2] = {0, 0};
+/// As the first bytes tell; iconv reads the marks before UTF-16 and UTF-32.
+const char* encoding_of(std::string_view head) {
+  if (head.starts_with("\xFF\xFE\0\0"sv) || head.starts_with("\0\0\xFE\xFF"sv)) return "UTF-32";
+  if (head.starts_with("\xFF\xFE") || head.starts_with("\xFE\xFF")) return "UTF-16";
+  head = head.substr(0, 1 << 14);
+  std::size_t n_zero[2] = {0, 0};  // without a mark UTF-16 is text of which more than half is ASCII
   for (std::size_t k = 0; k < head.size(); ++k)
     if (head[k] == '\0') ++n_zero[k % 2];
-  for (const std::size_t at : {std::size_t{0}, std::size_t{1}})
-    if (4 * n_zero[at] > head.size() && n_zero[1 - at] == 0) return at;
-  return std::nullopt;
+  if (4 * n_zero[1] > head.size() && n_zero[0] == 0) return "UTF-16LE";
+  if (4 * n_zero[0] > head.size() && n_zero[1] == 0) return "UTF-16BE";
+  return "UTF-8";
 }
 
 bool is_utf8(std::string_view text) {
-  while (!text.empty()) {
-    const std::size_t n = utf8_character(text);
-    if (n == 0) return false;
-    text.remove_prefix(n);
+  std::size_t n = 1;
+  for (; n > 0 && !text.empty(); text.remove_prefix(n)) n = utf8_character(text);
+  return n > 0;
+}
+
+Iconv opened_iconv(const std::string& encoding, const std::string& name) {
+  const iconv_t opened = ::iconv_open("UTF-8", encoding.c_str());
+  if (opened == iconv_t(-1)) throw FileError(name, "is text in " + encoding + ", unknown here; save it as UTF-8");
+  return {opened, &::iconv_close};
+}
+
+/// Moves what are whole characters. @return false at what is no character
+bool convert(const Iconv& iconv, std::string& bytes, std::string& text) {
+  char* in = bytes.data();
+  std::size_t n_in = bytes.size();
+  std::array<char, 1 << 15> block;
+  text.reserve(text.size() + n_in + n_in / 4);
+  for (int error = E2BIG; error == E2BIG;) {
+    char* out = block.data();
+    std::size_t n_out = block.size();
+    error = ::iconv(iconv.get(), &in, &n_in, &out, &n_out) == std::size_t(-1) ? errno : 0;
+    text.append(block.data(), out);
+    if (error == EILSEQ) return false;
   }
+  bytes.erase(0, bytes.size() - n_in);
   return true;
 }
 
-/// Windows-1252 from 80 to 9F; elsewhere it is Latin-1, Unicode's first 256. 0: not used.
-constexpr std::uint16_t kWindows[32] = {0x20AC, 0,      0x201A, 0x0192, 0x201E, 0x2026, 0x2020, 0x2021,
-                                        0x02C6, 0x2030, 0x0160, 0x2039, 0x0152, 0,      0x017D, 0,
-                                        0,      0x2018, 0x2019, 0x201C, 0x201D, 0x2022, 0x2013, 0x2014,
-                                        0x02DC, 0x2122, 0x0161, 0x203A, 0x0153, 0,      0x017E, 0x0178};
-
 }  // namespace
+
+std::string_view workbook_in(std::string_view head) {
+  constexpr std::string_view kWorkbook = "is a workbook: save the sheet as CSV";
+  if (head.starts_with("\xD0\xCF\x11\xE0\xA1\xB1\x1A\xE1")) return kWorkbook;
+  if (!head.starts_with("PK\x03\x04")) return {};
+  const std::string_view first_name = head.substr(std::min<std::size_t>(30, head.size()));
+  for (const char* of_workbook : {"[Content_Types].xml", "_rels/", "docProps/", "xl/", "mimetype", "Index/"})
+    if (first_name.starts_with(of_workbook)) return kWorkbook;
+  return "is a ZIP archive: unpack it, or save the sheet as CSV";
+}
 
 TextDecoder::TextDecoder(std::string name) : name_(std::move(name)) {}
 
-void TextDecoder::begin(std::string_view head) {
-  begun_ = true;
-  if (head.starts_with(std::string_view("\xFF\xFE\0\0", 4)) || head.starts_with(std::string_view("\0\0\xFE\xFF", 4)))
-    throw FileError(name_, "is text in UTF-32; save it as UTF-8");
-  if (head.starts_with("PK\x03\x04"))
-    throw FileError(name_, "is a ZIP archive (a spreadsheet, or an export of phyphox); unpack it, or save it as CSV");
-  high_byte_ = high_byte(head);
-  if (high_byte_)
-    skip_ = head.starts_with("\xFF\xFE") || head.starts_with("\xFE\xFF") ? 2 : 0;
-  else
-    skip_ = head.starts_with("\xEF\xBB\xBF") ? 3 : 0;
-}
-
 void TextDecoder::append(std::string_view bytes, std::string& text) {
-  const bool is_first = !begun_;
-  if (is_first) begin(bytes);
-  bytes.remove_prefix(std::min(skip_, bytes.size()));
   const std::size_t from = text.size();
-  if (high_byte_)
-    for (const char c : bytes) append_half(c, text);
-  else
+  const bool is_first = encoding_.empty();
+  if (is_first) {
+    if (!workbook_in(bytes).empty()) throw FileError(name_, std::string(workbook_in(bytes)));
+    encoding_ = encoding_of(bytes);
+    if (encoding_ != "UTF-8")
+      iconv_ = opened_iconv(encoding_, name_);
+    else if (bytes.starts_with("\xEF\xBB\xBF"))
+      bytes.remove_prefix(3);
+  }
+  if (!iconv_)
     text += bytes;
-  skip_ = 0;
+  else if (!convert(iconv_, rest_ += bytes, text))
+    throw FileError(name_, "is damaged " + encoding_ + "; save it as UTF-8");
   if (is_first) {
     // of old Macs, and of Excel for them: no line ends in a line feed
     const std::size_t cr = text.find('\r', from);
@@ -91,40 +95,21 @@ void TextDecoder::append(std::string_view bytes, std::string& text) {
   if (cr_only_) std::replace(text.begin() + static_cast<std::ptrdiff_t>(from), text.end(), '\r', '\n');
 }
 
-void TextDecoder::append_half(char byte, std::string& text) {
-  half_[n_half_++] = static_cast<unsigned char>(byte);
-  if (n_half_ < 2) return;
-  n_half_ = 0;
-  const std::uint32_t unit = 256U * half_[*high_byte_] + half_[1 - *high_byte_];
-  const bool low = unit >= 0xDC00 && unit < 0xE000, high = unit >= 0xD800 && unit < 0xDC00;
-  if (low != (surrogate_ != 0)) throw FileError(name_, "is damaged UTF-16; save it as UTF-8");
-  if (high)
-    surrogate_ = unit;
-  else
-    append_utf8(text, low ? 0x10000U + ((surrogate_ - 0xD800U) << 10U) + (unit - 0xDC00U) : unit);
-  if (low) surrogate_ = 0;
-}
-
 void TextDecoder::finish() const {
-  if (n_half_ != 0 || surrogate_ != 0) throw FileError(name_, "is cut off within a character of UTF-16");
+  if (!rest_.empty()) throw FileError(name_, "is cut off within a character of " + encoding_);
 }
 
 std::string decoded_text(std::string_view bytes, const std::string& name) {
   TextDecoder decoder(name);
-  std::string text;
+  std::string text, from_windows;
   decoder.append(bytes, text);
   decoder.finish();
   if (text.find('\0') != std::string::npos)
     throw FileError(name, "holds bytes 0: it is no text; a table of text or marks are needed");
   if (is_utf8(text)) return text;
-  std::string latin;
-  for (const char c : text) {
-    const auto byte = static_cast<unsigned char>(c);
-    const std::uint32_t code = byte >= 0x80 && byte < 0xA0 ? kWindows[byte - 0x80] : byte;
-    if (code == 0 && byte != 0) throw FileError(name, "is neither UTF-8 nor UTF-16 nor Windows-1252; save it as UTF-8");
-    append_utf8(latin, code);
-  }
-  return latin;
+  if (!convert(opened_iconv("WINDOWS-1252", name), text, from_windows))
+    throw FileError(name, "is neither UTF-8 nor UTF-16 nor Windows-1252; save it as UTF-8");
+  return from_windows;
 }
 
 }  // namespace bouncelab

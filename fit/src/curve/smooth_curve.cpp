@@ -222,7 +222,7 @@ void SmoothCurve::place_at_speeds(Sum& sum) const {
     if (!name.empty()) best_listed = std::max(best_listed, ball.weight);
   }
   for (auto& [name, ball] : balls)
-    if (!name.empty() && ball.weight > exp(-2.0) * best_listed && ball.weight > exp(-4.0) * best)
+    if (!name.empty() && ball.weight > exp(-1.0) * best_listed && ball.weight > exp(-4.0) * best)
       sum.balls.push_back(std::move(ball.terms));
 }
 

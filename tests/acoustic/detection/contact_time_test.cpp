@@ -148,7 +148,8 @@ TEST(ContactTime, OfBandsThatHoldNoiseAloneIsOfABallOrAbsent) {
     ball.noise = 0.002 * static_cast<double>(1 + seed % 10);
     const std::optional<ContactEvidence> evidence = fit_contact(levels_of(ball, seed));
     if (!evidence) ++n_absent;
-    for (const ContactFit& fit : evidence ? std::vector{evidence->hertz, evidence->half_sine} : std::vector<ContactFit>{})
+    for (const ContactFit& fit :
+         evidence ? std::vector{evidence->hertz, evidence->half_sine} : std::vector<ContactFit>{})
       EXPECT_LT(fit.sigma2_s2, 50e-3 * 50e-3) << seed;
   }
   EXPECT_LT(n_absent, 60u);

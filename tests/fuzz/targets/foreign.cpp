@@ -16,17 +16,41 @@ namespace {
 
 void check_table(const ForeignTable& table) {
   require(!table.rows.empty(), "a table has rows");
+  require(table.titles.empty() || table.titles.size() == table.n_columns(), "no title is without a column");
   for (const ForeignTable::Row& row : table.rows) {
-    require(row.cells.size() >= table.titles.size(), "no column has a title and no cell");
+    require(row.cells.size() == table.n_columns(), "a row has a cell for each column");
     require(row.line > 0, "a row stands on a line");
   }
 }
 
-void check_onsets(const ForeignTable& table, const std::string& as) {
+/// Each reading of a question is one that options can say, and answers it; another may follow.
+void check_question(const std::string& text, const AmbiguousTable& asked) {
+  check_message(asked.question());
+  for (const AmbiguousTable::Column& column : asked.columns()) check_message("cells: " + column.first_cells);
+  for (const AmbiguousTable::Reading& reading : asked.readings()) {
+    require(reading.options.tells() && !reading.meaning.empty(), "a reading says what it is");
+    try {
+      onsets_from_foreign(read_foreign_table(text, "input", reading.options), "input", reading.options);
+    } catch (const AmbiguousTable& again) {
+      require(again.question() != asked.question(), "what is answered is not asked again");
+    } catch (const FileError&) {  // what it would be has a gap, or a time that stands twice
+    }
+  }
+}
+
+void check_onsets(const std::string& text, const std::string& as) {
   ForeignOptions options;
   options.as = as;
   TakenTable taken;
-  if (!accepts([&] { taken = onsets_from_foreign(table, "input", options); })) return;
+  if (!accepts([&] {
+        try {
+          taken = onsets_from_foreign(read_foreign_table(text, "input", options), "input", options);
+        } catch (const AmbiguousTable& asked) {
+          check_question(text, asked);
+          throw;
+        }
+      }))
+    return;
   require(!taken.taken_for.empty(), "it is said what a table was taken for");
   check_message(taken.taken_for);
   Onsets onsets;
@@ -47,9 +71,9 @@ void run(Bytes input) {
   std::string text;
   ForeignTable table;
   if (!accepts([&] { text = decoded_text(bytes, "input"); })) return;
+  for (const char* as : {"auto", "times", "intervals"}) check_onsets(text, as);
   if (!accepts([&] { table = read_foreign_table(text, "input"); })) return;
   check_table(table);
-  for (const char* as : {"auto", "times", "intervals"}) check_onsets(table, as);
   accepts([&] { samples_from_table(samples_from_foreign(table, "input", {}).table, "input"); });
 }
 

@@ -88,7 +88,8 @@ class Table(Mapping[str, Any]):
                  tier: str = "") -> Any:
         """Reads a table as the command line writes it (.csv or .jsonl); as `Onsets` also marks of sound editors and
         times or intervals of any program, as `Samples` also speeds and coefficients from elsewhere. What such a file
-        was taken for is in ``summary["taken_for"]``.
+        was taken for is in ``summary["taken_for"]``; where it does not prove that, a ValueError has the question and the
+        keywords of each answer.
 
         Parameters
         ----------

@@ -12,6 +12,7 @@
 #include "bouncelab/audio/audio_writer.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/files.hpp"
+#include "bouncelab/core/foreign_table.hpp"
 #include "bouncelab/core/impacts.hpp"
 #include "bouncelab/detection/wave_preview.hpp"
 #include "bouncelab/report/detection.hpp"
@@ -261,6 +262,19 @@ void write_columns(const std::string& path, const py::dict& columns, const std::
   stages::write_table(writing(force), path, table);
 }
 
+/// The question, and each answer as the call that reads the table so.
+static std::string with_keywords(const AmbiguousTable& table, const std::string& type) {
+  std::string text = table.question(), before = "; say ";
+  for (const auto& [meaning, told] : table.readings()) {
+    text += std::exchange(before, " or ") + type + ".from_csv(path";
+    for (const auto& [name, value] : {std::pair{"taken_as", told.as}, {"unit", told.unit}, {"columns", told.columns}})
+      if (value != "auto" && !value.empty())
+        text += std::string(", ") + name + "=" + std::string(py::repr(py::str(value)));
+    text += ") (" + meaning + ")";
+  }
+  return text;
+}
+
 py::tuple read_columns(const std::string& path, const std::string& kind, const std::string& as, const std::string& unit,
                        const std::string& columns, const std::string& tier) {
   if (kind == "impacts")
@@ -271,12 +285,17 @@ py::tuple read_columns(const std::string& path, const std::string& kind, const s
     for (const Member& member : members_of(&how))
       if (member.name == name && !text.empty()) member.set(&how, value_from_text(member, text));
   std::vector<std::string> taken_for;
-  Table table =
-      kind == "onsets"
-          ? to_table(stages::read_onsets(path, how, taken_for))
-          : to_table(samples_from_table(
-                stages::open_samples(path, how.table, taken_for)->next(std::numeric_limits<std::size_t>::max()), path));
-  return py::make_tuple(columns_of(std::move(table)), taken_for);
+  try {
+    Table table =
+        kind == "onsets"
+            ? to_table(stages::read_onsets(path, how, taken_for))
+            : to_table(samples_from_table(
+                  stages::open_samples(path, how.table, taken_for)->next(std::numeric_limits<std::size_t>::max()),
+                  path));
+    return py::make_tuple(columns_of(std::move(table)), taken_for);
+  } catch (const AmbiguousTable& table) {
+    throw InvalidArgument(with_keywords(table, kind == "onsets" ? "Onsets" : "Samples"));
+  }
 }
 
 RestitutionSamples samples_of(const py::dict& columns) {

@@ -108,7 +108,7 @@ bool is_file(const fs::path& path) {
 
 bool may_be_foreign(const fs::path& path) {
   refuse_hdf5(path);
-  return !is_json_lines(path) && is_file(path);
+  return is_file(path) && !holds_json_lines(path);
 }
 
 /// Marks of a sound editor, with what is known of them beside labels of Audacity.
@@ -166,8 +166,9 @@ std::unique_ptr<TableReader> open_samples(const fs::path& path, const ForeignOpt
 
 bool holds_times(const fs::path& path, bool has_rate) {
   if (has_rate || !is_file(path)) return false;
-  if (is_json_lines(path)) return true;
+  if (holds_json_lines(path)) return true;
   const std::string head = head_of(path);
+  if (!workbook_in(head).empty()) throw FileError(input_name(path), std::string(workbook_in(head)));
   if (fs::file_size(readable(path)) > audio::kLongestOfTimes_bytes && !audio::is_own_table(head)) return false;
   return audio::holds_times(head, head.size() < audio::kHeadOfTimes_bytes);
 }

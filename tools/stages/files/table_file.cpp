@@ -44,9 +44,13 @@ void refuse_hdf5(const fs::path& path) {
 
 bool is_json_lines(const fs::path& path) { return path.extension() == ".jsonl"; }
 
+bool holds_json_lines(const fs::path& path) {
+  return is_json_lines(path) || (path.extension().empty() && open_text(path).peek() == '{');
+}
+
 std::unique_ptr<TableReader> open_table(const fs::path& path, const std::vector<ColumnSpec>& wanted) {
   refuse_hdf5(path);
-  if (is_json_lines(path)) return json_lines_reader(path, wanted);
+  if (holds_json_lines(path)) return json_lines_reader(path, wanted);
   return std::make_unique<CsvTable>(path, wanted);
 }
 
@@ -119,7 +123,7 @@ std::vector<fs::path> files_named_by_options(const Run& run) {
   const auto add = [&](const std::vector<std::string>& values) {
     for (const std::string& value : values)
       for (const fs::path file : {value, value.substr(value.find(':') + 1)})
-        if (fs::is_regular_file(file, none)) files.push_back(file);
+        if (fs::is_regular_file(file, none) && !is_stream(file)) files.push_back(file);
   };
   for (const Parameter& parameter : run.parameters)
     if (!parameter.is_output) add(parameter.values);

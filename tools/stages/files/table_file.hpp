@@ -17,7 +17,7 @@
 
 namespace bouncelab::stages {
 
-/// The wanted columns of a table file, to be read in pieces; the extension chooses the format.
+/// The wanted columns of a table file, to be read in pieces; its extension, or its beginning, tells the format.
 /// @throws FileError
 std::unique_ptr<TableReader> open_table(const std::filesystem::path& path, const std::vector<ColumnSpec>& wanted);
 /// All its rows at once. @throws FileError
@@ -27,6 +27,8 @@ Table read_table(const std::filesystem::path& path, const std::vector<ColumnSpec
 void refuse_hdf5(const std::filesystem::path& path);
 /// .jsonl is JSON Lines, everything else CSV.
 bool is_json_lines(const std::filesystem::path& path);
+/// Of a file to be read: what has no extension, as a pipe, is told by its first character. @throws FileError
+bool holds_json_lines(const std::filesystem::path& path);
 
 /// Writes a table whole or not at all, and its provenance beside it. @throws FileError
 void write_table(const Run& run, const std::filesystem::path& path, const Table& table,

@@ -83,7 +83,6 @@ std::string replaced(std::string text, const std::string& from, const std::strin
   return text;
 }
 
-
 double thread_time_s() {
   std::timespec now{};
   ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);

@@ -8,10 +8,11 @@ import {SoundSection} from './sound_section.js';
 import {Trouble, checkBrowser, say, sayTrouble, working} from './trouble.js';
 import {drawDistributions, drawLaw, showAnswer} from './result.js';
 import {showDownloads} from './downloads.js';
+import {hideQuestion, showQuestion} from './question.js';
 import {scatterOptions, showClosedLoop, showScatter, simulateOptions, trueCurve} from './simulate.js';
 
 const $ = id => document.getElementById(id);
-let open = null;        // what is on the page: {stem, rate_hz, wav, simulated}
+let open = null;        // what is on the page: {stem, rate_hz, wav, simulated}, of times {stem, reading}
 let section = null;     // the sound and its marks
 let refitting = false, wanted = null;
 
@@ -71,14 +72,26 @@ async function analyze(stays) {
 
 /// A file of times has no sound to be shown.
 async function showTimes(stays) {
-  const result = await engine.run({task: 'times', options: optionsNow()});
+  const result = await engine.run({task: 'times', options: {...optionsNow(), ...open.reading}});
   stays();
+  if (result.question) return ask(result.question);
   $('closed-loop').hidden = $('scatter').hidden = $('sound-section').hidden = true;
   $('result').hidden = false;
   await show(result);
   say(result.takenFor ? `Read as ${result.takenFor}.` : `${number(result.marks.length)} impact times.`);
   $('answer').scrollIntoView({block: 'nearest'});
   document.dispatchEvent(new CustomEvent('bouncelab-result', {detail: {seconds: result.seconds, n_marks: result.marks.length}}));
+}
+
+/// What a table does not prove; a second question may follow the answer to the first.
+function ask(question) {
+  $('result').hidden = true;
+  say(question.text.replace(/[^?]$/, '$&.'));
+  showQuestion(question, reading => {
+    $('result').hidden = true;
+    open.reading = reading;
+    work(showTimes);
+  });
 }
 
 /// Corrected marks, or other settings: the newest are fitted, those between are skipped.
@@ -121,6 +134,7 @@ async function openSound(summary, more, stays) {
 /// What was found in the sound before is no answer to the next one.
 function clear() {
   $('result').hidden = true;
+  hideQuestion();
   open = null;
 }
 

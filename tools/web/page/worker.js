@@ -76,7 +76,13 @@ const tasks = {
     return resultFor(analysis, true);
   },
   times({options}) {
-    const analysis = module.analyzeTimes(times.bytes, times.name, JSON.stringify(options));
+    let analysis;
+    try {
+      analysis = module.analyzeTimes(times.bytes, times.name, JSON.stringify(options));
+    } catch (error) {
+      if (!error.question?.readings.length) throw error;
+      return {question: error.question};
+    }
     return {...resultFor(analysis, null), takenFor: analysis.taken_for};
   },
   refit({marks, options}) {

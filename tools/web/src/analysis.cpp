@@ -17,7 +17,8 @@ namespace bouncelab::web {
 namespace {
 
 /// Options of an analysis, as people set them.
-loop::AnalyzeConfig config_of(const std::string& options_json) {
+/// @param more  options of one function alone
+loop::AnalyzeConfig config_of(const std::string& options_json, const std::vector<options::Section>& more = {}) {
   static constexpr Member own[]{
       member<&loop::AnalyzeConfig::with_details>("diagnostics", "Details of each drop in the report"),
       member<&loop::AnalyzeConfig::detection, &detection::DetectionConfig::lossy_coding>(
@@ -27,13 +28,14 @@ loop::AnalyzeConfig config_of(const std::string& options_json) {
   config.fit.memory = fit::UseMemory::where_long;
   options::RestitutionOptions restitution;
   Seed seed{config.fit.law.seed};
-  set_options({{"", own, &config},
-               options::section_of(config.detection),
-               ball_section(restitution.world),
-               options::section_of(restitution.config),
-               options::section_of(config.fit),
-               options::section_of(seed)},
-              options_json);
+  std::vector<options::Section> sections{{"", own, &config},
+                                         options::section_of(config.detection),
+                                         ball_section(restitution.world),
+                                         options::section_of(restitution.config),
+                                         options::section_of(config.fit),
+                                         options::section_of(seed)};
+  sections.insert(sections.end(), more.begin(), more.end());
+  set_options(sections, options_json);
   config.fit.law.seed = seed.seed;
   config.restitution = with_ball(restitution);
   return config;
@@ -130,9 +132,10 @@ bool holds_times(const std::string& bytes) {
 }
 
 Analysis analyze_times(const std::string& bytes, const std::string& name, const std::string& options_json) {
-  const loop::AnalyzeConfig config = config_of(options_json);
+  options::ForeignFileOptions how;
+  const loop::AnalyzeConfig config = config_of(options_json, {options::section_of(how)});
   std::string taken_for;
-  Onsets onsets = audio::onsets_of_file(bytes, name, {}, {}, taken_for);
+  Onsets onsets = audio::onsets_of_file(bytes, name, how.table, how.tier, taken_for);
   for (Onset& onset : onsets)
     if (onset.recording.empty()) onset.recording = name;
   loop::Analysis found;

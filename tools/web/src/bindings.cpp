@@ -17,6 +17,7 @@
 #include "analysis.hpp"
 #include "bouncelab/core/core.hpp"
 #include "bouncelab/core/error.hpp"
+#include "bouncelab/core/foreign_table.hpp"
 #include "bouncelab/core/table.hpp"
 #include "bouncelab/fit/restitution.hpp"
 #include "simulation.hpp"
@@ -26,6 +27,30 @@ namespace bouncelab::web {
 namespace {
 
 using emscripten::val;
+
+/// What a table that does not prove its meaning may be: a question and its answers, each with the options that tell it.
+val value_of(const AmbiguousTable& table) {
+  val question = val::object(), columns = val::array(), readings = val::array();
+  for (const AmbiguousTable::Column& column : table.columns()) {
+    val one = val::object();
+    one.set("title", column.title);
+    one.set("first_cells", column.first_cells);
+    columns.call<void>("push", one);
+  }
+  for (const auto& [meaning, told] : table.readings()) {
+    val one = val::object(), options = val::object();
+    options.set("as", told.as);
+    options.set("unit", told.unit);
+    if (!told.columns.empty()) options.set("columns", told.columns);
+    one.set("meaning", meaning);
+    one.set("options", options);
+    readings.call<void>("push", one);
+  }
+  question.set("text", table.question());
+  question.set("columns", columns);
+  question.set("readings", readings);
+  return question;
+}
 
 /// What a browser has to be told of a failure: one line.
 template <class Work>
@@ -40,6 +65,9 @@ val guarded(Work&& work) {
     failed("out of memory; choose a shorter recording");
   } catch (const std::filesystem::filesystem_error& error) {
     failed(error.path1().string() + ": " + error.code().message());
+  } catch (const AmbiguousTable& error) {
+    failed(error.what());
+    answer.set("question", value_of(error));
   } catch (const std::exception& error) {
     failed(error.what());
   }

@@ -2,7 +2,7 @@
 // The page as a site: size, accessibility, phone, offline, and what the bars ask for, as printed figures.
 import assert from 'node:assert/strict';
 import {after, before, describe, test} from 'node:test';
-import {readFileSync, readdirSync} from 'node:fs';
+import {readFileSync, readdirSync, writeFileSync} from 'node:fs';
 import {join} from 'node:path';
 import {gzipSync} from 'node:zlib';
 import {analyzed, clean, countOf, fromClean, launch, missing, openPage, ready, refitted, root, serve, site, truth, work} from './harness.js';
@@ -52,6 +52,16 @@ describe('the site', {skip: missing ?? false}, () => {
       await page.click('#settings summary');
       await analyzed(page, clean);
       await check('result');
+      const tables = {question: 'Nr;Fall;Zeit (ms);Stoppuhr (s)\n1;1;412,3;1,41\n2;1;1003,8;2,01\n3;1;1522,5;2,52\n',
+                      'question of units': '0.6123\n0.5531\n0.4987\n0.4502\n0.4066\n'};
+      for (const [state, text] of Object.entries(tables)) {
+        const file = join(work, 'table.csv');
+        writeFileSync(file, text);
+        await page.$eval('#question', node => node.replaceChildren());  // which is waited for
+        await (await page.$('#file')).uploadFile(file);
+        await page.waitForSelector('#question button');
+        await check(state);
+      }
       await page.click('#way-simulate');
       await page.click('#simulate-run');
       await page.waitForSelector('#scatter-plots .truth', {timeout: 60000});

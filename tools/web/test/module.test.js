@@ -92,6 +92,23 @@ describe('the module', {skip: missing}, () => {
       assert.throws(() => module.readSound(bytes, 'a.wav'), error => /^a\.wav: /.test(error.message) && !/install|ffmpeg|libsndfile|\n/.test(error.message), bytes.length);
   });
 
+  test('a workbook is named as such, whatever its name', () => {
+    const zip = new TextEncoder().encode(`PK\x03\x04${' '.repeat(26)}[Content_Types].xml`), xls = Uint8Array.of(0xD0, 0xCF, 0x11, 0xE0, 0xA1, 0xB1, 0x1A, 0xE1);
+    for (const bytes of [zip, xls]) {
+      assert.ok(module.holdsTimes(bytes));
+      assert.throws(() => module.analyzeTimes(bytes, 'lab.csv', '{}'), {message: 'lab.csv: is a workbook: save the sheet as CSV'});
+    }
+  });
+
+  test('text of any encoding is read', () => {
+    const text = `\uFEFFZeit (s);µ\n${[0, 1, 1.9, 2.71, 3.439].map(t => `${t};ä\n`).join('')}`.replaceAll('.', ',');
+    const wide = (n, little) => Uint8Array.from([...text].flatMap(c => [...Array(n).keys()].map(k => (c.codePointAt(0) >> 8 * (little ? k : n - 1 - k)) & 255)));
+    for (const bytes of [new TextEncoder().encode(text), wide(2, true), wide(2, false), wide(4, true), wide(4, false), wide(1, true).slice(1)]) {
+      assert.ok(module.holdsTimes(bytes));
+      assert.match(module.analyzeTimes(bytes, 'a.csv', '{}').taken_for, /times in s \(column 'Zeit \(s\)', ';' between, decimal comma\): 5 impacts/);
+    }
+  });
+
   test('sound that comes from a lossy coding is warned of as by the program, also where marks are given', () => {
     const {samples, rate_hz} = module.readSound(readFileSync(clean), 'clean.flac'), sound = [samples.slice(0, 5 * rate_hz), rate_hz, 1, 'clean.m4a'];
     const text = 'clean.m4a: lossy coding (AAC): times may be off by more than stated; record as WAV or FLAC', options = JSON.stringify({'lossy-coding': 'AAC'});

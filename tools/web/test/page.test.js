@@ -71,6 +71,49 @@ describe('the page', {skip: missing ?? false}, () => {
     assert.ok(!await page.$eval('#sound-section', node => node.hidden));
   });
 
+  const asked = async (name, text) => {
+    const file = join(work, name);
+    writeFileSync(file, text);
+    await (await page.$('#file')).uploadFile(file);
+    await page.waitForSelector('#question button');
+    return page.$$eval('#question button', list => list.map(b => b.textContent));
+  };
+
+  test('a table that does not prove what it holds is asked about, and a button is the answer', async () => {
+    const ms = truth.map(({t_s}) => (1e3 * t_s).toFixed(4));
+    assert.deepEqual(await asked('asked.csv', `Nr,Zeit\n${ms.map((t, k) => `${k},${t}`).join('\n')}\n`), ["times in ms by column 'Zeit'"]);
+    assert.equal(await statusOf(page), 'asked.csv: no title has a unit of time, such as Time (s).');
+    assert.deepEqual(await page.$$eval('#question tbody tr', rows => rows.map(row => [...row.cells].map(cell => cell.textContent))),
+                     [['Nr', '0  1  2 …'], ['Zeit', `${ms.slice(0, 3).join('  ')} …`]]);
+    assert.ok(await page.$eval('#result', node => node.hidden), 'no answer of the sound before');
+    await page.focus('#question button');
+    assert.match(await answered(page, () => page.keyboard.press('Enter')), /^Read as times in ms \(column 'Zeit', ',' between\): \d+ impacts in 1 drop/);
+    assert.match(await page.$eval('#answer .lead', node => node.textContent), /^ε = 0\.9\d+ ± [\d.]+ \(95 %: /);
+    assert.equal(await page.$eval('#question [aria-pressed="true"]', node => node.textContent), "times in ms by column 'Zeit'");
+    await choose(page, clean);
+    assert.ok(await page.$eval('#question', node => node.hidden));
+  });
+
+  test('a second question follows the answer to the first, where the keyboard is', async () => {
+    const intervals = truth.slice(1).map(({t_s}, k) => (t_s - truth[k].t_s).toFixed(6));
+    assert.deepEqual(await asked('twice.csv', `Time (s),dt (s)\n${intervals.map((dt, k) => `${dt},${(0.1 + 0.03 * k ** 1.1).toFixed(6)}`).join('\n')}\n`),
+                     ["column 'Time (s)'", "column 'dt (s)'"]);
+    await page.focus('#question button');
+    await page.keyboard.press('Space');
+    await page.waitForFunction(() => /do not rise/.test(document.getElementById('status').textContent));
+    assert.equal(await page.evaluate(() => document.activeElement.textContent), 'intervals in s');
+    assert.match(await answered(page, () => page.keyboard.press('Space')), /^Read as intervals in s \(column 'Time \(s\)', ',' between\)/);
+    assert.match(await page.$eval('#answer .lead', node => node.textContent), /^ε = 0\.9/);
+  });
+
+  test('a table of another quantity is refused in one sentence', async () => {
+    const speeds = join(work, 'speeds.csv');
+    writeFileSync(speeds, 'v (m/s),e\n0.9,0.91\n0.8,0.92\n0.7,0.93\n');
+    assert.match(await choose(page, speeds), /^speeds\.csv: no column is a time: column 'v \(m\/s\)' is another quantity/);
+    assert.ok(await page.$eval('#question', node => node.hidden));
+    await choose(page, clean);
+  });
+
   test('marks are selected, moved, added, deleted, restored, and each change is fitted', async () => {
     const says = () => page.$eval('#mark-says', node => node.textContent), answer = () => page.$eval('#answer', node => node.textContent);
     const original = await answer(), n = truth.length;
@@ -220,7 +263,7 @@ describe('the page', {skip: missing ?? false}, () => {
     writeFileSync(huge, '');
     truncateSync(huge, 2e9);  // takes no room
     const zeros = (name, seconds, ...options) => made(name, '-f', 'lavfi', '-i', 'anullsrc=r=48000:cl=mono', '-t', String(seconds), ...options);
-    const cases = [[text, /text\.wav has no sound that can be read here/], [wrong, /^wrong\.wav: not readable as sound \(.*\); choose another file, or record again$/], [nothing, /nothing\.m4a is empty\./], [huge, /huge\.wav has 2000 MB/],
+    const cases = [[text, /text\.wav: line 1: this is no sound: no line holds numbers; a table of times or intervals, or marks are needed/], [wrong, /^wrong\.wav: not readable as sound \(.*\); choose another file, or record again$/], [nothing, /nothing\.m4a is empty\./], [huge, /huge\.wav has 2000 MB/],
                    [made('silent.mp4', '-f', 'lavfi', '-i', 'testsrc=duration=1:size=64x64:rate=5'), /silent\.mp4 is a video without sound\./],
                    [made('silent.webm', '-f', 'lavfi', '-i', 'testsrc=duration=1:size=64x64:rate=5'), /silent\.webm is a video without sound\./],
                    [zeros('zeros.wav', 2), /zeros\.wav is silent/], [zeros('zeros.m4a', 2, '-c:a', 'aac'), /zeros\.m4a is silent/],

@@ -9,10 +9,10 @@
 #include <string_view>
 
 #include "annotations/annotation_numbers.hpp"
-#include "io/numbers.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/foreign_table.hpp"
 #include "bouncelab/core/text.hpp"
+#include "io/numbers.hpp"
 
 namespace bouncelab::audio {
 namespace {
@@ -326,6 +326,7 @@ Onsets onsets_of_file(std::string_view bytes, const std::string& name, const For
 }
 
 bool holds_times(std::string_view head, bool is_whole) {
+  if (!workbook_in(head).empty()) return true;  // their reader says what it is
   std::string text;
   try {
     TextDecoder("").append(head, text);
@@ -342,7 +343,7 @@ bool holds_times(std::string_view head, bool is_whole) {
     constexpr double kLongestStep_s = 1.0 / 4000.0;  // of the lowest rate of a sound
     std::istringstream rows(text);
     const std::optional<double> step_s = step_of_number_text(rows);
-    return !step_s || *step_s > kLongestStep_s;
+    return !step_s || *step_s <= 0.0 || *step_s > kLongestStep_s;
   } catch (const FileError&) {
     return true;  // the reader of times says what is wrong with its rows
   }

@@ -184,7 +184,11 @@ bool are_labels(std::string_view text) {
   return !labels.empty() && std::all_of(labels.begin(), labels.end(), [](const Label& label) {
     if (label.cells.size() < 2) return false;
     const auto begin = time_in(label.cells[0]), end = time_in(label.cells[1]);
-    return begin && end && *end >= *begin;
+    if (!begin || !end || *begin == *end) return begin && end;
+    // of a region; "1 400 x", a row's number and its time, has no decimals, and "0.4 1.0 1.51" no text
+    const auto has_decimals = [](std::string_view cell) { return cell.find_first_of(".,") != std::string_view::npos; };
+    return *end > *begin && label.cells.size() == 3 && has_decimals(label.cells[0]) && has_decimals(label.cells[1]) &&
+           !time_in(label.cells[2]);
   });
 }
 

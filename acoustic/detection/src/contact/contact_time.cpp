@@ -250,8 +250,8 @@ void update_weights(LevelModel& model) {
   }
 }
 
-constexpr double kStart_s = 30e-6;  // steel on glass; the result does not depend on it
-constexpr double kMinTau_s = 5e-6;  // about which the law is linearised in tau^2
+constexpr double kStart_s = 30e-6;   // steel on glass; the result does not depend on it
+constexpr double kMinTau_s = 5e-6;   // about which the law is linearised in tau^2
 constexpr double kMaxTau_s = 50e-3;  // a basketball's is 14 ms
 constexpr int kMaxSteps = 25;
 constexpr int kFirstRounds = 4;  // of amplitudes and weights, which converge to a thousandth of an error

@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
-#include <optional>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -42,29 +42,30 @@ std::string utf8_of_bytes(std::string_view bytes);
 /// The inverse of utf8_of_bytes.
 std::string bytes_of_utf8(std::string_view text);
 
-/// Bytes of a text file as text: without a byte order mark; UTF-16, with a mark or where every other byte is 0, as
-/// UTF-8; carriage returns that end lines by themselves as line feeds. All else stays as it is.
+/// What a workbook (.xlsx, .ods, .numbers, .xls) or another ZIP archive is, and what to do, for a message; empty where
+/// the file is neither. @param head  its first bytes, some hundred
+std::string_view workbook_in(std::string_view head);
+
+/// An open conversion of iconv(3), and what closes it.
+using Iconv = std::unique_ptr<void, int (*)(void*)>;
+
+/// Bytes of a text file as text: without a byte order mark; UTF-32 with a mark, UTF-16 with one or where every other
+/// byte is 0, as UTF-8; carriage returns that end lines by themselves as line feeds. All else stays as it is.
 class TextDecoder {
  public:
   /// @param name  of the file, for messages
   explicit TextDecoder(std::string name);
   /// The next bytes; of the first piece, some thousand bytes or the whole file, it is told what the file is.
-  /// @throws FileError naming the encoding: UTF-32, damaged UTF-16; a ZIP archive
+  /// @throws FileError naming the encoding that is damaged; a workbook or a ZIP archive
   void append(std::string_view bytes, std::string& text);
   /// @throws FileError where the file ends within a character
   void finish() const;
 
  private:
-  void begin(std::string_view head);
-  void append_half(char byte, std::string& text);
-
-  std::string name_;
-  bool begun_ = false, cr_only_ = false;
-  std::size_t skip_ = 0;
-  std::optional<std::size_t> high_byte_;  // of two, of UTF-16
-  unsigned char half_[2] = {0, 0};
-  std::size_t n_half_ = 0;
-  std::uint32_t surrogate_ = 0;  // the first of two, that waits
+  std::string name_, encoding_;
+  Iconv iconv_{nullptr, nullptr};  // none for UTF-8
+  std::string rest_;               // of a piece, that ended within a character
+  bool cr_only_ = false;
 };
 
 /// A whole file as UTF-8 by TextDecoder; what is not UTF-8 then is taken for Windows-1252, of which Latin-1 is a part.
