@@ -82,6 +82,13 @@ Description members_of(const RestitutionConfig*) {
           "Height of the ball's lowest point at release [m], 0 = not known; the first impact counts then")
           .within(0.0, 1e3)
           .unknown_as("0"),
+      member<&C::sigma_t_s>("sigma_t", "Standard error of times that state none [s], 0 = not known: the fit finds it")
+          .within(0.0, 10.0)
+          .unknown_as("0"),
+      member<&C::sigma_height_m>("sigma_height",
+                                 "Standard error of heights that state none [m], 0 = not known: the fit finds it")
+          .within(0.0, 10.0)
+          .unknown_as("0"),
       member<&C::wave_speed_mps>("wave_speed",
                                  "Speed of the sound from impact to sensor [m/s]: some 2500 in a plate, 343 in air")
           .within(1.0, 2e4)};

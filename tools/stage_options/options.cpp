@@ -263,11 +263,12 @@ Description members_of(const ForeignFileOptions*) {
   using O = ForeignFileOptions;
   static constexpr Member all[]{
       member<&O::table, &ForeignOptions::as>("as", "What the numbers are; auto: what their table proves")
-          .one_of("auto,times,intervals"),
-      member<&O::table, &ForeignOptions::unit>("unit", "Their unit; auto: that of their title").one_of("auto,s,ms,us"),
+          .one_of("auto,times,intervals,heights"),
+      member<&O::table, &ForeignOptions::unit>("unit", "Their unit; auto: that of their title")
+          .one_of("auto,s,ms,us,m,cm,mm,in,ft"),
       member<&O::table, &ForeignOptions::columns>(
           "columns", "Which columns are what, by title or number from 1 (default: by the units of their titles)")
-          .looks_like("t=COLUMN[,drop=COLUMN]"),
+          .looks_like("t|h=COLUMN[,drop=COLUMN]"),
       member<&O::tier>(
           "tier",
           "Tier of a TextGrid or layer of an .svl, by name or number (default: the one that looks like impacts)")};

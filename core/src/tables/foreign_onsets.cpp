@@ -20,47 +20,10 @@
 #include "bouncelab/core/numerics.hpp"
 #include "bouncelab/core/onsets.hpp"
 #include "bouncelab/core/text.hpp"
-#include "tables/foreign_columns.hpp"
+#include "tables/foreign_sequence.hpp"
 
 namespace bouncelab {
 namespace {
-
-using Reading = AmbiguousTable::Reading;
-
-/// The numbers of a table in their order, not yet in seconds.
-struct Sequence {
-  struct Value {
-    NumberCell number;
-    std::size_t line = 0;
-    std::int64_t part = 0;  // of the column of drops, or between blank lines
-  };
-  std::vector<Value> values;
-  std::optional<std::size_t> column;  ///< absent: a row
-  std::optional<TitleUnit> unit;
-  bool has_drops = false;  ///< a column tells them; between blank lines there may be more
-};
-
-constexpr const char* kClock = "clock times";
-
-/// The unit of a column by its cells, else by its title.
-std::optional<TitleUnit> unit_of(const ForeignTable& table, std::size_t column) {
-  constexpr double kFrom_s = 978307200.0, kTo_s = 4102444800.0;  // the years 2001 to 2099, since 1970
-  constexpr std::array<std::pair<double, const char*>, 4> kSince1970{
-      {{1.0, "s since 1970"}, {1e-3, "ms since 1970"}, {1e-6, "us since 1970"}, {1e-9, "ns since 1970"}}};
-  std::size_t n = 0, n_clocks = 0;
-  double least = HUGE_VAL, most = 0.0;
-  for (const ForeignTable::Row& row : table.rows)
-    if (const auto number = table.number(row, column)) {
-      ++n, n_clocks += number->is_clock ? 1 : 0;
-      least = std::min(least, number->value), most = std::max(most, number->value);
-    }
-  if (n > 0 && n_clocks == n) return TitleUnit{Dimension::time, 1.0, kClock, {}};
-  if (const auto titled = unit_of_title(title_of(table, column))) return titled;
-  for (const auto& [unit_s, words] : kSince1970)
-    if (n > 0 && unit_s * least > kFrom_s && unit_s * most < kTo_s)
-      return TitleUnit{Dimension::time, unit_s, words, {}};
-  return std::nullopt;
-}
 
 /// --columns with this column of times, and what was told of drops.
 std::string with_times(const ForeignTable& table, const ForeignOptions& options, std::size_t column) {
@@ -68,10 +31,6 @@ std::string with_times(const ForeignTable& table, const ForeignOptions& options,
   for (const std::string_view part : cells_of(options.columns, ','))
     if (part.starts_with("drop=")) text += "," + std::string(part);
   return text;
-}
-
-ForeignOptions told(std::string as, std::string unit, std::string columns) {
-  return {std::move(as), std::move(unit), std::move(columns)};
 }
 
 constexpr std::array<std::pair<const char*, double>, 3> kTimeUnits{{{"s", 1.0}, {"ms", 1e-3}, {"us", 1e-6}}};
@@ -152,21 +111,6 @@ bool are_alike(const ForeignTable& table) {
   return true;
 }
 
-Sequence row_of(const ForeignTable& table, const std::string& name) {
-  Sequence sequence;
-  const ForeignTable::Row& row = table.rows.front();
-  for (std::size_t k = 0; k < table.n_columns(); ++k) {
-    const auto number = number_in(table, row, k, name);
-    if (number && sequence.values.size() < k)
-      throw FileError(name, "line " + std::to_string(row.line) + ", " + column_name(table, sequence.values.size()) +
-                                ": the cell is empty, and without it two intervals would be one");
-    if (number) sequence.values.push_back({*number, row.line, 0});
-  }
-  const auto unit = unit_of(table, 0);
-  if (unit && unit->dimension == Dimension::time) sequence.unit = unit;
-  return sequence;
-}
-
 /// The column of times or intervals; absent: the only row is one.
 std::optional<std::size_t> column_of(const ForeignTable& table, const ForeignOptions& options,
                                      const std::string& name) {
@@ -187,7 +131,7 @@ std::optional<std::size_t> column_of(const ForeignTable& table, const ForeignOpt
   if (measured.size() == 1 && of_time.size() == 1 && !is_row) return of_time.front();
   if (is_row && options.as != "auto") return std::nullopt;
   if (is_row && !of_time.empty()) {
-    const bool times = rise(row_of(table, name));
+    const bool times = rise(row_of_numbers(table, name));
     readings = {
         {times ? "times in a row" : "intervals in a row", told(times ? "times" : "intervals", options.unit, {})}};
   }
@@ -212,49 +156,6 @@ std::optional<std::size_t> column_of(const ForeignTable& table, const ForeignOpt
       std::move(readings));
 }
 
-/// The numbers of a row or a column, with the drops that the table tells.
-Sequence sequence_of(const ForeignTable& table, const ForeignOptions& options, const std::string& name) {
-  Sequence sequence;
-  sequence.column = column_of(table, options, name);
-  if (!sequence.column) return row_of(table, name);
-  const std::size_t column = *sequence.column;
-  sequence.unit = unit_of(table, column);
-  auto drop = told_column(table, options, "drop", name);
-  if (!drop && column > 0) check_first_cells(table, name);
-  if (!drop && std::count(table.titles.begin(), table.titles.end(), "drop") > 1)
-    ask(table, name, "several columns are called drop; name one: --columns t=COLUMN,drop=NUMBER", {});
-  if (!drop) drop = own_column(table, "drop");
-  std::int64_t part = 0;
-  std::vector<std::string> drops;
-  std::optional<std::size_t> gap;  // the line of an empty cell behind a number of this part
-  for (const ForeignTable::Row& row : table.rows) {
-    bool begins = !drop && row.follows_blank;
-    if (drop && !row.cells[*drop].empty() && (drops.empty() || drops.back() != row.cells[*drop])) {
-      if (std::find(drops.begin(), drops.end(), row.cells[*drop]) != drops.end())
-        throw FileError(name, "line " + std::to_string(row.line) + ": drop '" + printable(row.cells[*drop], 60) +
-                                  "' comes again behind another; put the rows of a drop together");
-      begins = !drops.empty();
-      drops.push_back(row.cells[*drop]);
-    }
-    if (begins && !sequence.values.empty()) ++part, gap.reset();
-    const auto number = number_in(table, row, column, name);
-    if (!number) {
-      if (!sequence.values.empty() && sequence.values.back().part == part && !gap) gap = row.line;
-      continue;
-    }
-    if (gap)
-      throw FileError(name, "line " + std::to_string(*gap) + ", " + column_name(table, column) +
-                                ": the cell is empty, and without it two intervals would be one; write it, or a blank "
-                                "line in its place, which begins a new drop");
-    if (number->is_clock && !(sequence.unit && sequence.unit->si == 1.0))
-      throw FileError(name, "line " + std::to_string(row.line) + ", " + column_name(table, column) + ": '" +
-                                printable(row.cells[column], 60) + "' is a clock time, and others are not");
-    sequence.values.push_back({*number, row.line, part});
-  }
-  sequence.has_drops = drop.has_value();
-  return sequence;
-}
-
 bool names_interval(const std::optional<TitleUnit>& unit) {
   constexpr std::array<std::string_view, 5> kNames{"dt", "\xCE\x94t", "\xE2\x88\x86t", "interval", "Interval"};
   return unit && std::find(kNames.begin(), kNames.end(), unit->quantity) != kNames.end();
@@ -275,6 +176,15 @@ bool are_intervals(const ForeignTable& table, const Sequence& sequence, const Fo
       if (sequence.unit ? unit == kTimeUnits[0].first : are_of_a_ball(unit_s * typical_interval(sequence, *as == 'i')))
         readings.push_back({std::string(as) + " in " + (sequence.unit ? sequence.unit->name : unit),
                             told(as, sequence.unit ? options.unit : unit, options.columns)});
+  for (const auto& [unit, unit_m] : {std::pair{"m", 1.0}, {"cm", 1e-2}, {"mm", 1e-3}}) {
+    constexpr double kLeast_m = 0.15, kMost_m = 3.5;  // what a ball is dropped from in a room
+    const double height_m = unit_m * sequence.values.front().number.value;
+    if (!times && !sequence.unit && height_m > kLeast_m && height_m < kMost_m)
+      readings.push_back(
+          {std::string("heights in ") + unit,
+           told("heights", unit,
+                sequence.column && !table.titles.empty() ? column_option(table, "h", *sequence.column) : "")});
+  }
   ask(table, name, question, std::move(readings));
 }
 
@@ -402,9 +312,12 @@ std::vector<std::int64_t> drops_of(std::span<const double> t_s) {
 }
 
 TakenTable onsets_from_foreign(const ForeignTable& table, const std::string& name, const ForeignOptions& options) {
+  if (auto other = heights_from_foreign(table, name, options)) return *std::move(other);
   if (own_column(table, "eps") && own_column(table, "v_mps") && !own_column(table, "t_s") && !options.tells())
     throw FileError(name, "holds speeds and coefficients of restitution, no times; bouncelab fit takes it");
-  Sequence sequence = sequence_of(table, options, name);
+  const std::optional<std::size_t> column = column_of(table, options, name);
+  Sequence sequence = column ? column_of_numbers(table, *column, options, name) : row_of_numbers(table, name);
+  if (sequence.unit && sequence.unit->dimension != Dimension::time) sequence.unit.reset();
   if (sequence.values.empty()) throw FileError(name, "holds no times or intervals");
   constexpr std::size_t kFrames = 8;  // of a video
   if (options.as == "auto" && are_equal_steps(sequence, kFrames))
@@ -428,18 +341,15 @@ TakenTable onsets_from_foreign(const ForeignTable& table, const std::string& nam
   TakenTable taken;
   const std::size_t n_impacts = times.t_s.size();
   const std::int64_t n_drops = times.drop.back() + 1;
-  std::vector<double> roundings;
-  for (const Sequence::Value& value : sequence.values) roundings.push_back(value.number.rounding);
   taken.table.columns.push_back({"drop", std::move(times.drop)});
-  taken.table.columns.push_back({"t_s", std::move(times.t_s), decimals_of(roundings, unit_s)});
+  taken.table.columns.push_back({"t_s", std::move(times.t_s), decimals_of(sequence.roundings(), unit_s)});
   if (!intervals && sequence.column && n_impacts == table.rows.size()) {
     std::vector<ColumnSpec> own = onset_columns();
     std::erase_if(own, [](const ColumnSpec& spec) { return spec.type == ColumnType::integer; });  // numbered anew
     add_own_columns(table, own, name, taken.table);
   }
   for (std::size_t k = 0; k < n_impacts && !intervals; ++k) taken.table.stands_on(k, sequence.values[k].line);
-  std::string how = !sequence.column ? "a row" : table.titles.empty() ? "" : column_name(table, *sequence.column);
-  if (const std::string format = format_in_words(table); !format.empty()) how += (how.empty() ? "" : ", ") + format;
+  const std::string how = source_in_words(table, sequence);
   taken.taken_for = std::string(intervals ? "intervals" : "times") + (sequence.unit->name == kClock ? " as " : " in ") +
                     sequence.unit->name + (how.empty() ? "" : " (" + how + ")") + ": " + std::to_string(n_impacts) +
                     " impacts in " + std::to_string(n_drops) + (n_drops == 1 ? " drop" : " drops");

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Speeds and coefficients of restitution of other people's tables: --columns v=...,eps=..., or our v_mps and eps.
+#include <cmath>
 #include <string>
 #include <utility>
 #include <vector>
@@ -26,8 +27,18 @@ namespace {
       options.columns = column_option(table, "v", v) + "," + column_option(table, "eps", eps);
       readings.push_back({column_name(table, eps) + " is the coefficient", options});
     }
+  std::vector<std::size_t> speeds;
+  for (std::size_t k = 0; k < table.n_columns(); ++k)
+    if (const auto unit = unit_of_title(title_of(table, k)); unit && unit->dimension == Dimension::speed)
+      speeds.push_back(k);
+  if (speeds.size() == 2) {
+    ForeignOptions options;
+    options.columns = column_option(table, "v_in", speeds[0]) + "," + column_option(table, "v_out", speeds[1]);
+    readings.insert(readings.begin(), {"speeds before and after", options});
+  }
   ask(table, name,
-      "which columns are the speed and the coefficient of restitution? Name them: --columns v=COLUMN,eps=COLUMN; "
+      "which columns are the speed and the coefficient of restitution? Name them: --columns v=COLUMN,eps=COLUMN, or "
+      "v_in=COLUMN,v_out=COLUMN before and after a bounce; "
       "impact times are for bouncelab restitution",
       std::move(readings));
 }
@@ -36,16 +47,23 @@ namespace {
 
 TakenTable samples_from_foreign(const ForeignTable& foreign, const std::string& name, const ForeignOptions& options) {
   auto eps = told_column(foreign, options, "eps", name), v = told_column(foreign, options, "v", name);
+  const auto in = told_column(foreign, options, "v_in", name), out = told_column(foreign, options, "v_out", name);
+  const bool are_speeds = in && out;
+  if (are_speeds) v = in, eps = out;
   if (!eps) eps = own_column(foreign, "eps");
   if (!v) v = own_column(foreign, "v_mps");
   if (!eps || !v) ask_for_columns(foreign, name);
-  const std::optional<TitleUnit> unit = unit_of_title(title_of(foreign, *v));
-  if (unit && unit->dimension != Dimension::speed)
-    throw FileError(name, column_name(foreign, *v) + " is no speed: m/s, cm/s, mm/s, km/h, mph, ft/s");
-  const double unit_mps = unit ? unit->si : 1.0;
+  const auto unit_of_speed = [&](std::size_t column) {
+    const std::optional<TitleUnit> unit = unit_of_title(title_of(foreign, column));
+    if (unit && unit->dimension != Dimension::speed)
+      throw FileError(name, column_name(foreign, column) + " is no speed: m/s, cm/s, mm/s, km/h, mph, ft/s");
+    return unit.value_or(TitleUnit{Dimension::speed, 1.0, "m/s", {}});
+  };
+  const TitleUnit unit = unit_of_speed(*v);
+  const double unit_mps = unit.si, after_mps = are_speeds ? unit_of_speed(*eps).si : 1.0;
   check_first_cells(foreign, name);
   ForeignTable used{foreign.format, foreign.titles, {}};
-  std::vector<double> speeds, values, speed_roundings, eps_roundings;
+  std::vector<double> speeds, values, speed_roundings, eps_roundings, sigma_eps;
   for (const ForeignTable::Row& row : foreign.rows) {
     const auto speed = number_in(foreign, row, *v, name), coefficient = number_in(foreign, row, *eps, name);
     if (!speed || !coefficient) continue;
@@ -54,6 +72,13 @@ TakenTable samples_from_foreign(const ForeignTable& foreign, const std::string& 
     values.push_back(coefficient->value);
     speed_roundings.push_back(speed->rounding);
     eps_roundings.push_back(coefficient->rounding);
+    if (!are_speeds) continue;
+    if (speed->value == 0.0 || coefficient->value == 0.0)
+      throw FileError(name, "line " + std::to_string(row.line) + ": a bounce of speed 0; leave it out");
+    speeds.back() = std::abs(speeds.back());  // signed or not
+    values.back() = std::abs(after_mps * coefficient->value) / speeds.back();
+    sigma_eps.push_back(2.0 / std::sqrt(12.0) * values.back() *
+                        std::hypot(speed->rounding / speed->value, coefficient->rounding / coefficient->value));
   }
   if (used.rows.empty()) throw FileError(name, "has no row with a speed and a coefficient of restitution");
   if (const double typical = median(values); typical > 2.0)  // above 1 is rare, and 2 no ball has by itself
@@ -61,14 +86,16 @@ TakenTable samples_from_foreign(const ForeignTable& foreign, const std::string& 
                               " in the median; are they per cent? Write 0.89 for 89 %");
   TakenTable taken;
   taken.table.columns = {Column{"v_mps", std::move(speeds), decimals_of(speed_roundings, unit_mps)},
-                         Column{"eps", std::move(values), decimals_of(eps_roundings, 1.0)}};
+                         Column{"eps", std::move(values), are_speeds ? -1 : decimals_of(eps_roundings, 1.0)}};
+  if (are_speeds) taken.table.columns.push_back({"sigma_eps", std::move(sigma_eps)});
   add_own_columns(used, sample_columns(), name, taken.table);
   for (std::size_t k = 0; k < used.rows.size(); ++k) taken.table.stands_on(k, used.rows[k].line);
   const std::size_t n_left_out = foreign.rows.size() - used.rows.size();
   const std::string how = format_in_words(foreign);
-  taken.taken_for = "speeds in " + (unit ? unit->name : "m/s") + " (" + column_name(foreign, *v) +
-                    ") and coefficients of restitution (" + column_name(foreign, *eps) +
-                    (how.empty() ? "" : ", " + how) + "): " + std::to_string(used.rows.size()) + " impacts";
+  taken.taken_for = "speeds in " + unit.name + " (" + column_name(foreign, *v) +
+                    (are_speeds ? ") before and after (" : ") and coefficients of restitution (") +
+                    column_name(foreign, *eps) + (how.empty() ? "" : ", " + how) +
+                    "): " + std::to_string(used.rows.size()) + " impacts";
   if (n_left_out > 0) taken.taken_for += "; " + std::to_string(n_left_out) + " rows with an empty cell left out";
   return taken;
 }

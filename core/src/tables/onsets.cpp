@@ -102,7 +102,12 @@ const RowColumns<Onset>& columns_of(const Onset*) {
              "That this mark is an impact of this ball: that of the drop, odds/(1 + odds), times that of the impact "
              "given the drop and that of its place. Empty: not known (a table of an earlier version, a mark made by "
              "hand). Below one half the mark is flagged `improbable`",
-             {0.0, 1.0})};
+             {0.0, 1.0}),
+      column("fall_m", &O::fall_m,
+             "Height that the ball fell from before the impact, where heights were measured; `t_s` is then that of "
+             "such flights without air",
+             positive_up_to(1e4)),
+      column("sigma_fall_m", &O::sigma_fall_m, "Its standard error", positive_up_to(1e4))};
   return all;
 }
 
@@ -169,6 +174,11 @@ Onsets onsets_from_table(const Table& table, const std::string& name, const Onse
     while (end < onsets.size() && onsets[end].recording == first.recording && onsets[end].drop == first.drop) ++end;
     state_rounding(std::span(onsets).subspan(begin, end - begin), times->rounding(), times->decimals);
   }
+  const auto falls =
+      std::find_if(table.columns.begin(), table.columns.end(), [](const Column& c) { return c.name == "fall_m"; });
+  for (Onset& onset : onsets)
+    if (onset.fall_m && !onset.sigma_fall_m)
+      onset.sigma_fall_m = falls->rounding(), onset.sigma_is_least = onset.sigma_fall_m.has_value();
   return onsets;
 }
 

@@ -30,7 +30,8 @@ void read_words(const std::string& text, const std::string& name, std::span<cons
   for (std::size_t begin = 0; begin < text.size();) {
     const std::size_t end = std::min(text.find('|', begin), text.size());
     const std::string said = text.substr(begin, end - begin);
-    const auto known = std::find_if(words.begin(), words.end(), [&](const ConditionWord& one) { return said == one.word; });
+    const auto known =
+        std::find_if(words.begin(), words.end(), [&](const ConditionWord& one) { return said == one.word; });
     if (known == words.end()) {
       std::string all;
       for (const ConditionWord& one : words) all += (all.empty() ? "" : ", ") + std::string(one.word);

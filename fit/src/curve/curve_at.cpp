@@ -135,8 +135,7 @@ LinearEquations CurveAt::linear(const Gram& gram, std::size_t base) const {
   LinearEquations linear{gram.of(unknowns, unknowns), {}, 0.0};
   const Eigen::VectorXd with_residual = gram.of.col(residual_of(base)) - gram.timing2 * gram.of.col(excess());
   linear.right = with_residual(unknowns);
-  linear.constant =
-      -0.5 * (gram.ln_det + with_residual[residual_of(base)] - gram.timing2 * with_residual[excess()]);
+  linear.constant = -0.5 * (gram.ln_det + with_residual[residual_of(base)] - gram.timing2 * with_residual[excess()]);
   const double off = kEpsMiddle - eps_0_, precision = 1.0 / square(kEpsSd);
   linear.precision(0, 0) += precision;
   linear.right[0] += off * precision;
@@ -191,13 +190,14 @@ void CurveAt::find_noise(double step, double ln_s) {
       [&](const Noise& noise) { return ln_evidence(gram(some_, noise), kConstant, Slopes::few_places()); });
 }
 
-/// Factors of standard errors of the digits, and what each counts beforehand: as far as 256 (a stop watch of 0.001 s) or
-/// all of the scatter, by factor^(-1/4). Those that add nothing to the scatter are counted with 1.
+/// Factors of standard errors of the digits, and what each counts beforehand: as far as 256 (a stop watch of 0.001 s)
+/// or all of the scatter, by factor^(-1/4). Those that add nothing to the scatter are counted with 1.
 std::vector<std::pair<double, double>> CurveAt::timings() const {
   if (!all_.samples.timing_is_least) return {{timing_, 1.0}};
   constexpr double kFarthest = 256.0, kNothing = 0.2, kAll = 3.0;
   const Eigen::VectorXd variances = all_.samples.timing.col(0);
-  const double of_digits = std::sqrt(median(std::vector<double>(variances.data(), variances.data() + variances.size())));
+  const double of_digits =
+      std::sqrt(median(std::vector<double>(variances.data(), variances.data() + variances.size())));
   const double scatter = exp(noise_.noise.ln_s) / of_digits;
   std::vector<std::pair<double, double>> timings{{1.0, 1.0}};
   double sum = 1.0;

@@ -78,7 +78,8 @@ LawBeside SmoothCurve::beside(const LawModel& law, const Eigen::VectorXd& q,
   const auto evidence = [&](const Noise& noise) { return ln_alone(gram_by(curve.some(), some, noise)); };
   const LikelyNoise first = with_likely_s(noises_.front().noise, 0.5, n_some, evidence);
   std::vector<double> ln_of_law;
-  for (LikelyNoise likely : likely_noises(first, {{curve.timing(), 1.0}}, curve.all().samples.n_drops, n_some, evidence)) {
+  for (LikelyNoise likely :
+       likely_noises(first, {{curve.timing(), 1.0}}, curve.all().samples.n_drops, n_some, evidence)) {
     likely = curve.of_all(likely, [&](const Noise& noise) { return ln_alone(gram_by(curve.all(), all, noise)); });
     ln_of_law.push_back(log(likely.ln_s_sd) + likely.ln_evidence);
   }

@@ -32,7 +32,8 @@ Eigen::MatrixXd covariance_of(const PlateSamples& samples, const PlateSamples::P
       covariance(i, j) =
           rho2 * size[i] * size[j] * exp(ln_phi * (samples.impact[begin + i] - samples.impact[begin + j]));
     covariance(j, j) += own[j];
-    for (Eigen::Index lag = 0; lag <= 2 && j + lag < n; ++lag) covariance(j + lag, j) += timing2 * samples.timing(begin + j, lag);
+    for (Eigen::Index lag = 0; lag <= 2 && j + lag < n; ++lag)
+      covariance(j + lag, j) += timing2 * samples.timing(begin + j, lag);
   }
   return covariance;
 }

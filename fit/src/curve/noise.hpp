@@ -30,7 +30,7 @@ struct LikelyNoise {
 struct Gram {
   Eigen::MatrixXd of;
   double ln_det = 0.0;
-  double timing2 = 1.0;  ///< square of the noise's timing
+  double timing2 = 1.0;                ///< square of the noise's timing
   double ln_jacobian = 0.0;            ///< of all these samples
   Eigen::VectorXd ln_jacobian_slopes;  ///< by the deviations
 };

@@ -61,7 +61,9 @@ void smooth(RestitutionSamples& rows) {
   }
   const Eigen::VectorXd of = least_squares(powers, ln_v);
   for (RestitutionSample& s : rows) {
-    const auto at = [&](std::int64_t impact) { return power_row(static_cast<double>(impact - rows.front().impact)).dot(of); };
+    const auto at = [&](std::int64_t impact) {
+      return power_row(static_cast<double>(impact - rows.front().impact)).dot(of);
+    };
     const double first = at(s.impact), next = at(s.impact + 1);
     s.v_mps = exp(first);
     s.eps = std::clamp(exp(next - first), 0.1, 1.2);
@@ -181,7 +183,8 @@ std::vector<Eigen::Index> rows_of_some(const PlateSamples& samples, Eigen::Index
 
 PlateSamples part_of(const PlateSamples& samples, const std::vector<Eigen::Index>& rows) {
   PlateSamples part = samples;
-  part.x = samples.x(rows), part.eps = samples.eps(rows), part.excess = samples.excess(rows), part.impact = samples.impact(rows);
+  part.x = samples.x(rows), part.eps = samples.eps(rows), part.excess = samples.excess(rows),
+  part.impact = samples.impact(rows);
   part.dx = samples.dx(rows, Eigen::all), part.deps = samples.deps(rows, Eigen::all);
   part.timing = samples.timing(rows, Eigen::all);
   part.ln_jacobian = samples.ln_jacobian(rows);

@@ -20,7 +20,7 @@ struct PlateSamples {
   };
   std::vector<Piece> pieces;
   std::size_t n_drops = 0;
-  Eigen::VectorXd x;         ///< ln v, v in m/s
+  Eigen::VectorXd x;  ///< ln v, v in m/s
   Eigen::VectorXd eps;
   Eigen::MatrixXd dx, deps;  ///< derivatives by the deviations
   Eigen::VectorXd impact;    ///< its number within the drop

@@ -95,9 +95,9 @@ SmoothCurve::SmoothCurve(const RestitutionSamples& samples, const std::vector<Ai
   lo_ = x.minCoeff(), hi_ = x.maxCoeff();
   if (nodes_mps_.empty()) nodes_mps_ = nodes_of(x);
   noises_ = places_.front().likely_noises();
-  const auto likeliest = std::max_element(noises_.begin(), noises_.end(), [](const LikelyNoise& a, const LikelyNoise& b) {
-    return a.ln_evidence < b.ln_evidence;
-  });
+  const auto likeliest =
+      std::max_element(noises_.begin(), noises_.end(),
+                       [](const LikelyNoise& a, const LikelyNoise& b) { return a.ln_evidence < b.ln_evidence; });
   if (const double timing = likeliest->noise.timing; timing != 1.0) {  // with it other samples are outliers
     for (CurveAt& place : places_) place.take_timing(timing);
     noises_ = places_.front().likely_noises();
@@ -432,8 +432,8 @@ void SmoothCurve::describe_step(const Sum& sum, const RestitutionSamples& sample
     columns.col(n_before + k) = (some.samples.x.array() > at_x[static_cast<std::size_t>(k)]).cast<double>();
   const Term& best = sum.best;
   const Gram with_steps = gram_of(some.samples, curve.x_middle(), some.inflation, columns, sum.noises[best.noise]);
-  const Gram without{with_steps.of.topLeftCorner(n_before, n_before), with_steps.ln_det, with_steps.timing2, with_steps.ln_jacobian,
-                     with_steps.ln_jacobian_slopes};
+  const Gram without{with_steps.of.topLeftCorner(n_before, n_before), with_steps.ln_det, with_steps.timing2,
+                     with_steps.ln_jacobian, with_steps.ln_jacobian_slopes};
   const LinearEquations of = curve.linear(without, best.base);
   const std::vector<Eigen::Index> unknowns = curve.unknowns_of(best.base);
   const Eigen::MatrixXd of_steps = with_steps.of(unknowns, Eigen::seqN(n_before, n_places));
@@ -451,7 +451,8 @@ void SmoothCurve::describe_step(const Sum& sum, const RestitutionSamples& sample
       const Eigen::Index column = n_before + k;
       const double prior2 = square(kOfLost * curve.lost());
       const double precision = with_steps.of(column, column) - half.col(k).squaredNorm() + 1.0 / prior2;
-      const double right = with_steps.of(column, residual) - with_steps.timing2 * with_steps.of(column, curve.excess()) - half.col(k).dot(solution.half);
+      const double right = with_steps.of(column, residual) -
+                           with_steps.timing2 * with_steps.of(column, curve.excess()) - half.col(k).dot(solution.half);
       Step step{solution.ln_evidence + 0.5 * square(right) / precision - 0.5 * log(precision * prior2) -
                     log(static_cast<double>(n_places)),
                 right / precision, 1.0 / precision};

@@ -27,9 +27,9 @@ struct AirAndContact {
   ContactDuration contact;    ///< median, and the standard deviation of ln tau; 0 s: contacts are instantaneous
   bool has_drag = true, has_contact = true;
   bool of_heights = false;  ///< the samples are, in place of intervals
-  bool is_named = true;   ///< false: what may be of a ball that is not named
-  double ln_share = 0.0;  ///< logarithm of what it counts beforehand
-  double most_eps = 1.0;  ///< such a ball has about this on the hardest floor
+  bool is_named = true;     ///< false: what may be of a ball that is not named
+  double ln_share = 0.0;    ///< logarithm of what it counts beforehand
+  double most_eps = 1.0;    ///< such a ball has about this on the hardest floor
 
   bool is_open() const { return has_drag || has_contact; }
 };

@@ -65,6 +65,19 @@ RestitutionSample first_sample(const Onset& here, const Onset& after, const Rest
   return sample;
 }
 
+/// Of heights: what it fell from before the impact, and rose to after it.
+RestitutionSample sample_of_heights(const Onset& here, const Onset& after, const RestitutionConfig& config) {
+  RestitutionSample sample = sample_of(here);
+  const double before_m = *here.fall_m, after_m = *after.fall_m;
+  sample.v_mps = std::sqrt(2.0 * config.gravity_mps2 * before_m);
+  sample.eps = std::sqrt(after_m / before_m);
+  if (here.sigma_fall_m && after.sigma_fall_m) {
+    sample.sigma_v_mps = 0.5 * sample.v_mps * *here.sigma_fall_m / before_m;
+    sample.sigma_eps = 0.5 * sample.eps * hypot(*here.sigma_fall_m / before_m, *after.sigma_fall_m / after_m);
+  }
+  return sample;
+}
+
 /// Samples at successive impacts: b follows a with nothing between.
 bool adjacent(std::span<const RestitutionSample> drop, std::size_t a, std::size_t b) {
   return a < drop.size() && b < drop.size() && drop[b].impact - drop[a].impact == static_cast<std::int64_t>(b - a);
@@ -124,6 +137,11 @@ RestitutionSamples samples_of_drop(std::span<const Onset> drop, const Restitutio
   std::size_t piece_begin = 0;
   const auto close_piece = [&](std::size_t end) {
     const auto piece = drop.subspan(piece_begin, end - piece_begin);
+    if (!piece.empty() && piece.front().fall_m) {
+      for (std::size_t k = 0; k + 1 < piece.size(); ++k)
+        samples.push_back(sample_of_heights(piece[k], piece[k + 1], config));
+      return;
+    }
     if (config.drop_height_m && piece.size() >= 2 && piece[0].impact == 0)
       samples.push_back(first_sample(piece[0], piece[1], config));
     for (std::size_t k = 1; k + 1 < piece.size(); ++k) samples.push_back(sample_at(piece, k, config));
@@ -143,6 +161,7 @@ RestitutionSamples samples_of_drop(std::span<const Onset> drop, const Restitutio
     }
   }
   close_piece(drop.size());
+  if (drop.front().fall_m) return samples;
   const bool has_first = config.drop_height_m && !samples.empty() && samples.front().impact == 0;
   flag_wrong_intervals(std::span(samples).subspan(has_first ? 1 : 0), !drop.front().sigma_is_least, counts);
   if (has_first && contradicts(samples)) {
@@ -235,7 +254,14 @@ RestitutionSamples RestitutionInPieces::finish() {
 
 void RestitutionInPieces::end_drop(RestitutionSamples& samples) {
   ++counts_.n_drops;
-  const bool sigma_is_least = drop_.front().sigma_is_least;
+  for (Onset& onset : drop_) {
+    if (!onset.sigma_is_least) continue;
+    const std::optional<double>& said = onset.fall_m ? config_.sigma_height_m : config_.sigma_t_s;
+    if (!said) continue;
+    (onset.fall_m ? onset.sigma_fall_m : onset.sigma_t_s) = said;
+    onset.sigma_is_least = false;
+  }
+  const bool sigma_is_least = drop_.front().sigma_is_least, of_heights = drop_.front().fall_m.has_value();
   RestitutionSamples of_drop;
   if (config_.travel_time) {
     of_drop = samples_of_drop(without_travel_time(drop_, *config_.travel_time), config_, counts_, heights_m_);
@@ -250,6 +276,8 @@ void RestitutionInPieces::end_drop(RestitutionSamples& samples) {
   for (RestitutionSample& s : of_drop) {
     s.conditions = conditions_;
     s.conditions.sigma_is_least = sigma_is_least;
+    s.conditions.of_heights = of_heights;
+    s.conditions.contact_time_corrected = s.conditions.contact_time_corrected || of_heights;  // heights have none
     if (!s.flags.empty()) ++counts_.n_flagged;
   }
   std::move(of_drop.begin(), of_drop.end(), std::back_inserter(samples));

@@ -66,8 +66,8 @@ struct ForeignTable {
 
 /// What a reader is told of a file that is not ours. "auto", empty: the file has to prove it.
 struct ForeignOptions {
-  std::string as = "auto";    ///< or "times", "intervals"
-  std::string unit = "auto";  ///< or "s", "ms", "us"
+  std::string as = "auto";    ///< or "times", "intervals", "heights"
+  std::string unit = "auto";  ///< or "s", "ms", "us"; "m", "cm", "mm", "in", "ft" of heights
   std::string columns;        ///< "t=Time (s),drop=2", "v=speed,eps=e": columns by title or by number from 1
 
   bool tells() const { return as != "auto" || unit != "auto" || !columns.empty(); }
@@ -114,7 +114,8 @@ struct TakenTable {
   std::string taken_for;  ///< what it was taken for, in a few words for people
 };
 
-/// Impact times, or the intervals between them, as the table of onsets that onsets_from_table reads; docs/formats.md,
+/// Impact times, the intervals between them, or heights, as the table of onsets that onsets_from_table reads;
+/// docs/formats.md,
 /// "Files of other programs", has the rule.
 /// @throws FileError: a cell that is not a number, a gap, a time that stands twice
 /// @throws AmbiguousTable: what the numbers are, or which of them, is not proved

@@ -73,7 +73,10 @@ struct Onset {
   Flags flags;
   /// That it is an impact of this ball: p(drop) p(impact given the drop), 0 ... 1.
   std::optional<double> probability = std::nullopt;
-  bool sigma_is_least = false;  ///< sigma_t_s is that of the digits of t_s: no more is known
+  bool sigma_is_least = false;  ///< the standard error is that of the digits: no more is known
+  /// Where heights were measured: that which the ball fell from before this impact, and its standard error. t_s is then
+  /// that of such flights without air.
+  std::optional<double> fall_m = std::nullopt, sigma_fall_m = std::nullopt;
 };
 
 /// Onsets ordered by recording (in the order given), then time.

@@ -18,14 +18,13 @@ struct SampleConditions {
   bool drag_corrected = false;
   bool contact_time_corrected = false;
   bool travel_time_corrected = false;    ///< of the sound, from impact to sensor
-  // how they were measured:
-  bool of_heights = false;               ///< v and eps are roots of heights, not of intervals
-  bool sigma_is_least = false;           ///< standard errors are of the digits alone
   std::optional<double> gravity_mps2;    ///< of the speeds
   std::optional<Ball> ball;              ///< whose drag and contact time the fit takes
   std::optional<Material> plate;         ///< likewise
   std::optional<double> air_kgpm3;       ///< density of the air; absent: that of a room
   std::optional<double> wave_speed_mps;  ///< of the sound, for the travel time
+  bool of_heights = false;               ///< v and eps are roots of heights, not of intervals
+  bool sigma_is_least = false;           ///< standard errors are of the digits alone
 
   friend bool operator==(const SampleConditions&, const SampleConditions&) = default;
 };

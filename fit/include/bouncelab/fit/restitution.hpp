@@ -49,6 +49,9 @@ struct RestitutionConfig {
   /// Height of the ball's lowest point over the plate at release [m], > 0: then the first impact of each drop counts,
   /// v_0 = sqrt(2 g h). Only where impact 0 was detected.
   std::optional<double> drop_height_m;
+  /// Standard errors of times and heights that state none, > 0. Absent: their digits are the least, and the fit finds
+  /// how much larger they are.
+  std::optional<double> sigma_t_s, sigma_height_m;
 };
 /// What people set: not ball and plate.
 Description members_of(const RestitutionConfig*);

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tables/foreign_sequence.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "bouncelab/core/error.hpp"
+#include "bouncelab/core/text.hpp"
+
+namespace bouncelab {
+
+/// The unit of a column by its cells, else by its title.
+std::optional<TitleUnit> unit_of(const ForeignTable& table, std::size_t column) {
+  constexpr double kFrom_s = 978307200.0, kTo_s = 4102444800.0;  // the years 2001 to 2099, since 1970
+  constexpr std::array<std::pair<double, const char*>, 4> kSince1970{
+      {{1.0, "s since 1970"}, {1e-3, "ms since 1970"}, {1e-6, "us since 1970"}, {1e-9, "ns since 1970"}}};
+  std::size_t n = 0, n_clocks = 0;
+  double least = HUGE_VAL, most = 0.0;
+  for (const ForeignTable::Row& row : table.rows)
+    if (const auto number = table.number(row, column)) {
+      ++n, n_clocks += number->is_clock ? 1 : 0;
+      least = std::min(least, number->value), most = std::max(most, number->value);
+    }
+  if (n > 0 && n_clocks == n) return TitleUnit{Dimension::time, 1.0, kClock, {}};
+  if (const auto titled = unit_of_title(title_of(table, column))) return titled;
+  for (const auto& [unit_s, words] : kSince1970)
+    if (n > 0 && unit_s * least > kFrom_s && unit_s * most < kTo_s)
+      return TitleUnit{Dimension::time, unit_s, words, {}};
+  return std::nullopt;
+}
+
+ForeignOptions told(std::string as, std::string unit, std::string columns) {
+  return {std::move(as), std::move(unit), std::move(columns)};
+}
+
+std::vector<double> Sequence::roundings() const {
+  std::vector<double> all;
+  for (const Value& value : values) all.push_back(value.number.rounding);
+  return all;
+}
+
+std::string source_in_words(const ForeignTable& table, const Sequence& sequence) {
+  std::string text = !sequence.column ? "a row" : table.titles.empty() ? "" : column_name(table, *sequence.column);
+  if (const std::string format = format_in_words(table); !format.empty()) text += (text.empty() ? "" : ", ") + format;
+  return text;
+}
+
+Sequence row_of_numbers(const ForeignTable& table, const std::string& name) {
+  Sequence sequence;
+  const ForeignTable::Row& row = table.rows.front();
+  for (std::size_t k = 0; k < table.n_columns(); ++k) {
+    const auto number = number_in(table, row, k, name);
+    if (number && sequence.values.size() < k)
+      throw FileError(name, "line " + std::to_string(row.line) + ", " + column_name(table, sequence.values.size()) +
+                                ": the cell is empty, and without it two intervals would be one");
+    if (number) sequence.values.push_back({*number, row.line, 0});
+  }
+  sequence.unit = unit_of(table, 0);
+  return sequence;
+}
+
+Sequence column_of_numbers(const ForeignTable& table, std::size_t column, const ForeignOptions& options,
+                           const std::string& name) {
+  Sequence sequence;
+  sequence.column = column;
+  sequence.unit = unit_of(table, column);
+  auto drop = told_column(table, options, "drop", name);
+  if (!drop && column > 0) check_first_cells(table, name);
+  if (!drop && std::count(table.titles.begin(), table.titles.end(), "drop") > 1)
+    ask(table, name, "several columns are called drop; name one: --columns t=COLUMN,drop=NUMBER", {});
+  if (!drop) drop = own_column(table, "drop");
+  std::int64_t part = 0;
+  std::vector<std::string> drops;
+  std::optional<std::size_t> gap;  // the line of an empty cell behind a number of this part
+  for (const ForeignTable::Row& row : table.rows) {
+    bool begins = !drop && row.follows_blank;
+    if (drop && !row.cells[*drop].empty() && (drops.empty() || drops.back() != row.cells[*drop])) {
+      if (std::find(drops.begin(), drops.end(), row.cells[*drop]) != drops.end())
+        throw FileError(name, "line " + std::to_string(row.line) + ": drop '" + printable(row.cells[*drop], 60) +
+                                  "' comes again behind another; put the rows of a drop together");
+      begins = !drops.empty();
+      drops.push_back(row.cells[*drop]);
+    }
+    if (begins && !sequence.values.empty()) ++part, gap.reset();
+    const auto number = number_in(table, row, column, name);
+    if (!number) {
+      if (!sequence.values.empty() && sequence.values.back().part == part && !gap) gap = row.line;
+      continue;
+    }
+    if (gap)
+      throw FileError(name, "line " + std::to_string(*gap) + ", " + column_name(table, column) +
+                                ": the cell is empty, and without it two intervals would be one; write it, or a blank "
+                                "line in its place, which begins a new drop");
+    if (number->is_clock && !(sequence.unit && sequence.unit->si == 1.0))
+      throw FileError(name, "line " + std::to_string(row.line) + ", " + column_name(table, column) + ": '" +
+                                printable(row.cells[column], 60) + "' is a clock time, and others are not");
+    sequence.values.push_back({*number, row.line, part});
+  }
+  sequence.has_drops = drop.has_value();
+  return sequence;
+}
+
+}  // namespace bouncelab
