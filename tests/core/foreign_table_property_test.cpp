@@ -155,9 +155,11 @@ Written written(Shape& shape, Flaw flaw) {
   if (has_index) titles.emplace_back("No.");
   const std::string quantity = result.intervals ? shape.one_of(std::array{"dt", "\xCE\x94t", "interval"})
                                                 : shape.one_of(std::array{"Time", "t", "Zeit", "run"});
+  const bool is_known = quantity != "Zeit" && quantity != "run";  // for a unit behind / or _
   const std::string name = unit.name;
   std::array<std::string, 4> spellings{quantity + (blanks ? "(" : " (") + name + ")", quantity + "[" + name + "]",
-                                       quantity + (blanks ? "/" : " / ") + name, quantity + "_" + name};
+                                       (is_known ? quantity : "t") + (blanks ? "/" : " / ") + name,
+                                       (is_known ? quantity : "t") + "_" + name};
   if (name == "min") spellings[3] = spellings[0];  // t_min is no minutes
   titles.push_back(cells == Cells::numbers ? shape.one_of(spellings) : "Start");
   if (flaw == Flaw::no_unit || flaw == Flaw::falling) titles.back() = "Time";
@@ -197,7 +199,7 @@ Written written(Shape& shape, Flaw flaw) {
       if (flaw == Flaw::two_times || flaw == Flaw::height)
         line.push_back(number_text(0.1 + values_s[drop][k] - base_s, 3));
       if (has_level) line.push_back(number_text(shape.within(-40.0, -5.0), 1));
-      if (has_note) line.emplace_back(row % 2 == 0 ? "clear" : "faint");
+      if (has_note) line.emplace_back("heard at " + std::to_string(row));
       for (std::size_t c = 0; c < line.size(); ++c) text += (c == 0 ? "" : between) + in_quotes(line[c]);
       text += rest + end;
     }

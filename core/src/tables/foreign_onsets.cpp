@@ -14,6 +14,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <span>
 
 #include "bouncelab/core/error.hpp"
@@ -85,7 +86,12 @@ std::optional<Reading> likely_reading(const ForeignTable& table, const ForeignOp
   Sequence sequence;
   for (const ForeignTable::Row& row : table.rows)
     if (const auto number = table.number(row, column)) sequence.values.push_back({*number, row.line, 0});
-  if (unit_of(table, column) || sequence.values.size() < 3 || are_equal_steps(sequence, 3)) return std::nullopt;
+  const bool are_whole = std::all_of(sequence.values.begin(), sequence.values.end(), [](const Sequence::Value& value) {
+    return value.number.value == std::floor(value.number.value);
+  });
+  if (unit_of(table, column) || sequence.values.size() < 3 || are_equal_steps(sequence, 3) ||
+      (are_whole && sequence.values.front().number.value <= 1.0))  // it numbers something
+    return std::nullopt;
   const bool times = rise(sequence);
   const auto stands_again = [](const Sequence::Value& a, const Sequence::Value& b) {
     return a.number.value == b.number.value;
@@ -128,7 +134,15 @@ std::optional<std::size_t> column_of(const ForeignTable& table, const ForeignOpt
     readings.push_back({column_name(table, k), told(options.as, options.unit, with_times(table, options, k))});
   }
   const bool is_row = table.rows.size() == 1 && table.n_columns() > 1 && are_alike(table);
-  if (measured.size() == 1 && of_time.size() == 1 && !is_row) return of_time.front();
+  if (measured.size() == 1 && of_time.size() == 1 && !is_row) {
+    // an error (s) or a clock beside times that no unit stands above
+    for (std::size_t k = 0; k < table.n_columns(); ++k)
+      if (const auto other = likely_reading(table, options, k); other && other->options.as == "times")
+        readings.push_back(*other);
+    if (readings.size() == 1) return of_time.front();
+    ask(table, name, "has a column with a unit of time, and another that rises as times do; which is read?",
+        std::move(readings));
+  }
   if (is_row && options.as != "auto") return std::nullopt;
   if (is_row && !of_time.empty()) {
     const bool times = rise(row_of_numbers(table, name));
@@ -255,6 +269,17 @@ Times times_of_intervals(const Sequence& sequence, double unit_s, const std::str
   return times;
 }
 
+/// 0, 1, 2 or 1, 2, 3, and so again.
+bool counts_in_each_drop(const ForeignTable& table, std::size_t column) {
+  double before = -1.0;
+  for (const ForeignTable::Row& row : table.rows) {
+    const auto number = table.number(row, column);
+    if (!number || (number->value != before + 1.0 && (number->value == before || number->value > 1.0))) return false;
+    before = number->value;
+  }
+  return true;
+}
+
 /// Asks about a column whose cells stand in blocks ("1 1 1 2 2 2") that are not the drops found.
 /// @param drop_of_row  -1: the row has no impact
 void check_blocks(const ForeignTable& table, std::size_t column, const std::vector<std::int64_t>& drop_of_row,
@@ -266,16 +291,24 @@ void check_blocks(const ForeignTable& table, std::size_t column, const std::vect
         std::any_of(own.begin(), own.end(), [&](const ColumnSpec& spec) { return spec.name == title; }))
       continue;
     std::vector<std::string> blocks;
-    bool same = true;
+    bool same = true, are_words = true;
+    const bool counts = counts_in_each_drop(table, k);
     std::int64_t of_block = -1;
+    double before = -1.0;
     std::size_t shortest = table.rows.size(), n_in_block = 0;
+    std::map<std::string, std::size_t> n_of;
     for (std::size_t row = 0; row < table.rows.size(); ++row) {
       const std::string& cell = table.rows[row].cells[k];
-      const bool goes_on = !blocks.empty() && (cell.empty() || cell == blocks.back());
+      const auto number = table.number(table.rows[row], k);
+      are_words = are_words && !cell.empty() && !number;
+      ++n_of[cell];
+      const bool goes_on =
+          !blocks.empty() && (cell.empty() || cell == blocks.back() || (counts && number->value == before + 1.0));
       if (!goes_on) {
         if (!blocks.empty()) shortest = std::min(shortest, n_in_block);
         blocks.push_back(cell), of_block = -1, n_in_block = 0;
       }
+      if (number) before = number->value;
       ++n_in_block;
       if (drop_of_row[row] < 0) continue;
       same = same && (of_block < 0 || of_block == drop_of_row[row]);
@@ -283,14 +316,22 @@ void check_blocks(const ForeignTable& table, std::size_t column, const std::vect
     }
     std::vector<std::string> sorted = blocks;
     std::sort(sorted.begin(), sorted.end());
-    const bool are_blocks = std::min(shortest, n_in_block) > 1 && blocks.size() > 1 &&
-                            std::adjacent_find(sorted.begin(), sorted.end()) == sorted.end();
+    const bool comes_again = std::adjacent_find(sorted.begin(), sorted.end()) != sorted.end();
+    const bool are_blocks = std::min(shortest, n_in_block) > 1 && blocks.size() > 1 && (!comes_again || counts);
+    // two balls in turn, or rows that are no impacts: few words of which each stands in several rows
+    if (are_words && n_of.size() > 1 && 2 * n_of.size() <= table.rows.size() && comes_again)
+      ask(table, name,
+          column_name(table, k) +
+              " has the same words in several rows that do not follow each other; is each row an impact of one ball?",
+          {{"they are", told(options.as, options.unit, column_option(table, "t", column))}});
     const auto n_drops = static_cast<std::size_t>(*std::max_element(drop_of_row.begin(), drop_of_row.end()) + 1);
     if (!are_blocks || (same && n_drops == blocks.size())) continue;
     const std::string t = column_option(table, "t", column);
     ask(table, name, column_name(table, k) + " changes where no new drop is seen; does it tell the drops?",
-        {{"it does", told(options.as, options.unit, t + "," + column_option(table, "drop", k))},
-         {"it does not", told(options.as, options.unit, t)}});
+        counts ? std::vector<Reading>{{"it does not", told(options.as, options.unit, t)}}
+               : std::vector<Reading>{
+                     {"it does", told(options.as, options.unit, t + "," + column_option(table, "drop", k))},
+                     {"it does not", told(options.as, options.unit, t)}});
   }
 }
 

@@ -57,8 +57,15 @@ TakenTable samples_from_foreign(const ForeignTable& foreign, const std::string& 
     const std::optional<TitleUnit> unit = unit_of_title(title_of(foreign, column));
     if (unit && unit->dimension != Dimension::speed)
       throw FileError(name, column_name(foreign, column) + " is no speed: m/s, cm/s, mm/s, km/h, mph, ft/s");
+    if (!unit && title_of(foreign, column).find_first_of("([/^") != std::string::npos)
+      throw FileError(name,
+                      column_name(foreign, column) + " has a unit that is not read: m/s, cm/s, mm/s, km/h, mph, ft/s");
     return unit.value_or(TitleUnit{Dimension::speed, 1.0, "m/s", {}});
   };
+  if (!are_speeds && unit_of_title(title_of(foreign, *eps)))
+    throw FileError(name, column_name(foreign, *eps) +
+                              " has a unit, a coefficient of restitution has none; speeds before and after: --columns "
+                              "v_in=COLUMN,v_out=COLUMN");
   const TitleUnit unit = unit_of_speed(*v);
   const double unit_mps = unit.si, after_mps = are_speeds ? unit_of_speed(*eps).si : 1.0;
   check_first_cells(foreign, name);

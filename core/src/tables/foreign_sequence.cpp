@@ -73,6 +73,7 @@ Sequence column_of_numbers(const ForeignTable& table, std::size_t column, const 
   if (!drop) drop = own_column(table, "drop");
   std::int64_t part = 0;
   std::vector<std::string> drops;
+  const ForeignTable::Row *whole = nullptr, *parted = nullptr;  // 867, and 1,412
   std::optional<std::size_t> gap;  // the line of an empty cell behind a number of this part
   for (const ForeignTable::Row& row : table.rows) {
     bool begins = !drop && row.follows_blank;
@@ -89,6 +90,17 @@ Sequence column_of_numbers(const ForeignTable& table, std::size_t column, const 
       if (!sequence.values.empty() && sequence.values.back().part == part && !gap) gap = row.line;
       continue;
     }
+    const std::string& cell = row.cells[column];
+    const std::size_t sign = cell.find_first_not_of("0123456789");
+    if (sign == std::string::npos && number->value >= 100.0) whole = &row;
+    if (sign != std::string::npos && sign > 0 && cell.front() != '0' && (cell[sign] == '.' || cell[sign] == ',') &&
+        cell.size() == sign + 4 && cell.find_first_not_of("0123456789", sign + 1) == std::string::npos)
+      parted = &row;
+    if (whole && parted)
+      throw FileError(name, "line " + std::to_string(parted->line) + ", " + column_name(table, column) + ": '" +
+                                printable(parted->cells[column], 60) + "' beside '" +
+                                printable(whole->cells[column], 60) +
+                                "': does the sign part thousands? Write numbers without it");
     if (gap)
       throw FileError(name, "line " + std::to_string(*gap) + ", " + column_name(table, column) +
                                 ": the cell is empty, and without it two intervals would be one; write it, or a blank "

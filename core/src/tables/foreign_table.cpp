@@ -108,8 +108,9 @@ ForeignTable read_foreign_table(std::string_view text, const std::string& name, 
       std::find_if(lines.begin(), lines.end(), [](const Line& line) { return holds_a_number(line.text); });
   if (first == lines.end()) {
     const Line& below = lines[std::min<std::size_t>(1, lines.size() - 1)];  // where numbers are looked for
-    throw FileError(name, "line " + std::to_string(below.number) + ": " + printable(below.text, 60) +
-                              ": no line holds numbers; a table of times or intervals, or marks are needed");
+    throw FileError(name,
+                    "line " + std::to_string(below.number) + ": " + printable(below.text, 60) +
+                        ": no line holds numbers by themselves; a unit belongs into the title above them, Time (s)");
   }
   const std::span<const Line> rows = std::span(lines).subspan(static_cast<std::size_t>(first - lines.begin()));
   ForeignTable table;
@@ -130,6 +131,7 @@ ForeignTable read_foreign_table(std::string_view text, const std::string& name, 
     throw FileError(
         name, "has " + std::to_string(n_columns) + " columns; at most " + std::to_string(kMostColumns) + " are read");
   table.rows.reserve(rows.size());
+  std::size_t most = 0;
   for (const Line& line : rows) {
     std::vector<std::string> cells = cells_in(line.text);
     while (cells.size() > n_columns && cells.back().empty()) cells.pop_back();
@@ -138,9 +140,16 @@ ForeignTable read_foreign_table(std::string_view text, const std::string& name, 
                       "line " + std::to_string(line.number) + " has " + std::to_string(cells.size()) +
                           " cells, and the titles are " + std::to_string(n_columns) +
                           "; write a title above each column and the same separator in all lines, or delete the line");
+    most = std::max(most, cells.size());
+    if (table.format.separator == ' ' && cells.size() < n_columns) most = 0;
+    if (most == 0) break;
     cells.resize(n_columns);
     table.rows.push_back({line.number, line.follows_blank, std::move(cells)});
   }
+  // the cells of a row would stand below others' titles
+  if (most < n_columns && !table.titles.back().empty())
+    throw FileError(name, "the line above the numbers has " + std::to_string(n_columns) +
+                              " titles, and the rows have fewer cells; write as many, the same separator between all");
   return table;
 }
 

@@ -145,7 +145,7 @@ struct KnownUnit {
   Dimension dimension;
   double si;
 };
-constexpr std::array<KnownUnit, 20> kUnits{
+constexpr std::array<KnownUnit, 23> kUnits{
     {{"s", Dimension::time, 1.0},          {"sec", Dimension::time, 1.0},         {"ms", Dimension::time, 1e-3},
      {"us", Dimension::time, 1e-6},        {"\xC2\xB5s", Dimension::time, 1e-6},  // micro sign
      {"\xCE\xBCs", Dimension::time, 1e-6},                                        // Greek mu
@@ -174,15 +174,18 @@ std::optional<TitleUnit> unit_of_title(std::string_view title) {
     if (open == std::string_view::npos) return std::nullopt;
     return made(unit_named(trimmed(title.substr(open + 1, title.size() - open - 2), kBlanks)), title.substr(0, open));
   }
-  if (const std::size_t slash = title.find('/'); slash != std::string_view::npos) {
-    const std::string_view quantity = trimmed(title.substr(0, slash), kBlanks);
-    return unit_named(quantity) != nullptr ? std::nullopt  // "m/s" alone
-                                           : made(unit_named(trimmed(title.substr(slash + 1), kBlanks)), quantity);
-  }
-  // "v_in" and "t_min" are no inches and no minutes
-  const std::size_t line = title.rfind('_');
-  const std::string_view unit = line == std::string_view::npos ? "" : title.substr(line + 1);
-  return unit == "in" || unit == "min" ? std::nullopt : made(unit_named(unit), title.substr(0, line));
+  // "t / s" and "time_ms", but not "counts / s" and "mass_s": a word that is no quantity of that dimension makes
+  // another unit; "v_in" and "t_min" are no inches and no minutes
+  constexpr std::array<std::string_view, 16> kQuantities{
+      "t", "T", "dt", "\xCE\x94t", "\xE2\x88\x86t", "time", "Time", "interval",
+      "h", "H", "h0", "height",    "Height",        "v",    "V",    "speed"};
+  const std::size_t at = title.find_first_of("/") != std::string_view::npos ? title.find('/') : title.rfind('_');
+  if (at == std::string_view::npos) return std::nullopt;
+  const std::string_view quantity = trimmed(title.substr(0, at), kBlanks),
+                         unit = trimmed(title.substr(at + 1), kBlanks);
+  const bool is_known = std::find(kQuantities.begin(), kQuantities.end(), quantity) != kQuantities.end();
+  return !is_known || (title[at] == '_' && (unit == "in" || unit == "min")) ? std::nullopt
+                                                                            : made(unit_named(unit), quantity);
 }
 
 }  // namespace bouncelab

@@ -226,7 +226,7 @@ OneAirAndContact::OneAirAndContact(const AirAndContact& known, Deviation deviati
     : known_(known), kappa_factor_(exp(deviation.ln_kappa)), tau_factor_(exp(deviation.ln_tau)) {}
 
 double OneAirAndContact::kappa_per_m(double v_mps) const {
-  if (!known_.has_drag) return 0.0;
+  if (!known_.has_drag || v_mps > kFastest_mps) return 0.0;
   constexpr double kLeastSpeed_mps = 0.1;  // below it drag is nothing, and the power grows
   const double v = std::max(kLeastSpeed_mps, kSpeedOfDrag * v_mps);
   return kappa_factor_ * (known_.ball ? drag_per_m(*known_.ball, known_.air, v) : known_.kappa_per_m);
