@@ -303,7 +303,7 @@ void check_blocks(const ForeignTable& table, std::size_t column, const std::vect
       are_words = are_words && !cell.empty() && !number;
       ++n_of[cell];
       const bool goes_on =
-          !blocks.empty() && (cell.empty() || cell == blocks.back() || (counts && number->value == before + 1.0));
+          !blocks.empty() && (counts ? number->value == before + 1.0 : cell.empty() || cell == blocks.back());
       if (!goes_on) {
         if (!blocks.empty()) shortest = std::min(shortest, n_in_block);
         blocks.push_back(cell), of_block = -1, n_in_block = 0;
@@ -344,7 +344,8 @@ std::vector<std::int64_t> drops_of(std::span<const double> t_s) {
     const double here_s = k == 0 ? 0.0 : t_s[k] - t_s[k - 1];
     // a mark too many parts an interval in two, of which one may be short
     const double longer_s = std::max(interval_s, before_s);
-    const bool begins = k > 0 && (here_s < 0.0 || (longer_s > 0.0 && here_s > kMissed * longer_s));
+    const bool begins =
+        k > 0 && (here_s < 0.0 || here_s > kLongestFlight_s || (longer_s > 0.0 && here_s > kMissed * longer_s));
     drops.push_back(k == 0 ? 0 : drops.back() + (begins ? 1 : 0));
     before_s = begins ? 0.0 : interval_s;
     interval_s = begins ? 0.0 : here_s;

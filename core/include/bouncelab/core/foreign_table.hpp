@@ -124,8 +124,10 @@ TakenTable onsets_from_foreign(const ForeignTable& table, const std::string& nam
 /// Of several drops in a row a new one begins where an interval is so many times either of the two before it: with one
 /// impact missed it is 1 + eps times, with two 1 + eps + eps^2, which is below 3.
 inline constexpr double kMissed = 3.0;
-/// The drop of each time, from 0: a new one begins where times go back or an interval is kMissed times either of
-/// the two before it, of which a mark too many makes one short.
+/// Nor does a ball fly so long: at 49 m/s here, at 8 m/s on the Moon.
+inline constexpr double kLongestFlight_s = 10.0;
+/// The drop of each time, from 0: a new one begins where times go back, where an interval is longer than any flight, or
+/// kMissed times either of the two before it, of which a mark too many makes one short.
 std::vector<std::int64_t> drops_of(std::span<const double> t_s);
 
 /// Speeds and coefficients of restitution that others measured, as the table that samples_from_table reads.
