@@ -90,11 +90,11 @@ TakenTable table_of_pairs(Pairs pairs) {
 
 /// 0, 1, 2 or 1, 2, 3 from row to row, in each drop anew perhaps: a number of the bounce or of the drop.
 bool counts(const ForeignTable& table, std::size_t column) {
-  double before = -1.0;
+  double before = 0.0;
   for (const ForeignTable::Row& row : table.rows) {
     const auto number = table.number(row, column);
     const double here = number ? number->value : before;
-    if (here != before && here != before + 1.0 && here > 1.0) return false;
+    if (here != before && here != before + 1.0 && here != 0.0 && here != 1.0) return false;
     before = here;
   }
   return true;
@@ -128,6 +128,12 @@ TakenTable heights_of(const ForeignTable& table, const ForeignOptions& options, 
         k > 0 && (values[k].part != values[k - 1].part || (!sequence.has_drops && h_m[k] > kGrown * h_m[k - 1]));
     drop.push_back(k == 0 ? 0 : drop.back() + (begins ? 1 : 0));
   }
+  if (sequence.column && options.columns.empty() && !sequence.has_drops) {
+    std::vector<std::int64_t> drop_of_row(table.rows.size(), -1);
+    for (std::size_t row = 0, k = 0; row < table.rows.size(); ++row)
+      if (table.number(table.rows[row], *sequence.column)) drop_of_row[row] = drop[k++];
+    check_blocks(table, *sequence.column, "h", drop_of_row, options, name);
+  }
   const std::string how = source_in_words(table, sequence);
   return table_of_heights(std::move(drop), std::move(h_m), rounding_m, how.empty() ? "" : " (" + how + ")");
 }
@@ -151,15 +157,13 @@ std::optional<TakenTable> heights_from_foreign(const ForeignTable& table, const 
   if (of("heights") && is_row && lengths.size() != 1) return heights_of(table, options, std::nullopt, name);
   if (lengths.size() == 1 && measured.size() == 1 && options.as == "auto")
     for (std::size_t k = 0; k < table.n_columns(); ++k)
-      if (k != lengths[0] && table.number(table.rows.front(), k) && !counts(table, k)) {
-        std::vector<Reading> readings{
-            {"the heights of one ball, one after the other, are in " + column_name(table, lengths[0]),
-             told("heights", options.unit, column_option(table, "h", lengths[0]))}};
-        if (!unit_of(table, k))
-          readings.push_back({"it rose to " + column_name(table, k),
-                              told("heights", options.unit,
-                                   column_option(table, "h0", lengths[0]) + "," + column_option(table, "h", k))});
-        ask(table, name, "has heights and another column of numbers: what is it?", std::move(readings));
+      if (k != lengths[0] && title_of(table, k) != "drop" && table.number(table.rows.front(), k) && !counts(table, k)) {
+        const std::string h = column_option(table, "h", lengths[0]), h0 = column_option(table, "h0", lengths[0]);
+        ask(table, name, "has heights and another column of numbers: what is it?",
+            {{"the heights of one ball, one after the other, are in " + column_name(table, lengths[0]),
+              told("heights", options.unit, h)},
+             {"from there it rose to " + column_name(table, k),
+              told("heights", options.unit, h0 + "," + column_option(table, "h", k))}});
       }
   if (lengths.size() == 1 && (measured.size() == 1 || of("heights")))
     return heights_of(table, options, lengths[0], name);

@@ -14,7 +14,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
 #include <span>
 
 #include "bouncelab/core/error.hpp"
@@ -154,8 +153,13 @@ std::optional<std::size_t> column_of(const ForeignTable& table, const ForeignOpt
         std::to_string(of_time.size()) +
             " columns are of a time, and one is read; which? Several drops stand below each other, with a column drop",
         std::move(readings));
-  if (measured.size() > 1 && !of_time.empty())
+  if (measured.size() > 1 && !of_time.empty()) {
+    for (const std::size_t k : measured)
+      if (!is_row && unit_of(table, k)->dimension == Dimension::length)
+        readings.push_back({"heights, one after the other, of " + column_name(table, k),
+                            told("heights", options.unit, column_option(table, "h", k))});
     ask(table, name, "has a time and another measured quantity: which is to be read?", std::move(readings));
+  }
   if (table.titles.empty() && is_row) return std::nullopt;
   if (table.n_columns() == 1 && (table.titles.empty() || options.as != "auto")) return std::size_t{0};
   if (!measured.empty())
@@ -269,72 +273,6 @@ Times times_of_intervals(const Sequence& sequence, double unit_s, const std::str
   return times;
 }
 
-/// 0, 1, 2 or 1, 2, 3, and so again.
-bool counts_in_each_drop(const ForeignTable& table, std::size_t column) {
-  double before = -1.0;
-  for (const ForeignTable::Row& row : table.rows) {
-    const auto number = table.number(row, column);
-    if (!number || (number->value != before + 1.0 && (number->value == before || number->value > 1.0))) return false;
-    before = number->value;
-  }
-  return true;
-}
-
-/// Asks about a column whose cells stand in blocks ("1 1 1 2 2 2") that are not the drops found.
-/// @param drop_of_row  -1: the row has no impact
-void check_blocks(const ForeignTable& table, std::size_t column, const std::vector<std::int64_t>& drop_of_row,
-                  const ForeignOptions& options, const std::string& name) {
-  const std::vector<ColumnSpec> own = onset_columns();
-  for (std::size_t k = 0; k < table.n_columns(); ++k) {
-    const std::string title = title_of(table, k);
-    if (k == column || unit_of(table, k) ||
-        std::any_of(own.begin(), own.end(), [&](const ColumnSpec& spec) { return spec.name == title; }))
-      continue;
-    std::vector<std::string> blocks;
-    bool same = true, are_words = true;
-    const bool counts = counts_in_each_drop(table, k);
-    std::int64_t of_block = -1;
-    double before = -1.0;
-    std::size_t shortest = table.rows.size(), n_in_block = 0;
-    std::map<std::string, std::size_t> n_of;
-    for (std::size_t row = 0; row < table.rows.size(); ++row) {
-      const std::string& cell = table.rows[row].cells[k];
-      const auto number = table.number(table.rows[row], k);
-      are_words = are_words && !cell.empty() && !number;
-      ++n_of[cell];
-      const bool goes_on =
-          !blocks.empty() && (counts ? number->value == before + 1.0 : cell.empty() || cell == blocks.back());
-      if (!goes_on) {
-        if (!blocks.empty()) shortest = std::min(shortest, n_in_block);
-        blocks.push_back(cell), of_block = -1, n_in_block = 0;
-      }
-      if (number) before = number->value;
-      ++n_in_block;
-      if (drop_of_row[row] < 0) continue;
-      same = same && (of_block < 0 || of_block == drop_of_row[row]);
-      of_block = drop_of_row[row];
-    }
-    std::vector<std::string> sorted = blocks;
-    std::sort(sorted.begin(), sorted.end());
-    const bool comes_again = std::adjacent_find(sorted.begin(), sorted.end()) != sorted.end();
-    const bool are_blocks = std::min(shortest, n_in_block) > 1 && blocks.size() > 1 && (!comes_again || counts);
-    // two balls in turn, or rows that are no impacts: few words of which each stands in several rows
-    if (are_words && n_of.size() > 1 && 2 * n_of.size() <= table.rows.size() && comes_again)
-      ask(table, name,
-          column_name(table, k) +
-              " has the same words in several rows that do not follow each other; is each row an impact of one ball?",
-          {{"they are", told(options.as, options.unit, column_option(table, "t", column))}});
-    const auto n_drops = static_cast<std::size_t>(*std::max_element(drop_of_row.begin(), drop_of_row.end()) + 1);
-    if (!are_blocks || (same && n_drops == blocks.size())) continue;
-    const std::string t = column_option(table, "t", column);
-    ask(table, name, column_name(table, k) + " changes where no new drop is seen; does it tell the drops?",
-        counts ? std::vector<Reading>{{"it does not", told(options.as, options.unit, t)}}
-               : std::vector<Reading>{
-                     {"it does", told(options.as, options.unit, t + "," + column_option(table, "drop", k))},
-                     {"it does not", told(options.as, options.unit, t)}});
-  }
-}
-
 }  // namespace
 
 std::vector<std::int64_t> drops_of(std::span<const double> t_s) {
@@ -378,7 +316,7 @@ TakenTable onsets_from_foreign(const ForeignTable& table, const std::string& nam
       if (intervals && (impact == 0 || times.drop[impact] != times.drop[impact - 1])) ++impact;  // its first, at 0
       drop_of_row[row] = times.drop[impact++];
     }
-    check_blocks(table, *sequence.column, drop_of_row, options, name);
+    check_blocks(table, *sequence.column, "t", drop_of_row, options, name);
   }
   TakenTable taken;
   const std::size_t n_impacts = times.t_s.size();

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <utility>
 
 #include "bouncelab/core/error.hpp"
@@ -112,6 +113,75 @@ Sequence column_of_numbers(const ForeignTable& table, std::size_t column, const 
   }
   sequence.has_drops = drop.has_value();
   return sequence;
+}
+
+namespace {
+
+/// 0, 1, 2 or 1, 2, 3, and so again.
+bool counts_in_each_drop(const ForeignTable& table, std::size_t column) {
+  double before = -1.0;
+  for (const ForeignTable::Row& row : table.rows) {
+    const auto number = table.number(row, column);
+    if (!number || (number->value != before + 1.0 && (number->value == before || number->value > 1.0))) return false;
+    before = number->value;
+  }
+  return true;
+}
+
+}  // namespace
+
+void check_blocks(const ForeignTable& table, std::size_t column, std::string_view key,
+                  const std::vector<std::int64_t>& drop_of_row, const ForeignOptions& options,
+                  const std::string& name) {
+  const std::vector<ColumnSpec> own = onset_columns();
+  for (std::size_t k = 0; k < table.n_columns(); ++k) {
+    const std::string title = title_of(table, k);
+    if (k == column || unit_of(table, k) ||
+        std::any_of(own.begin(), own.end(), [&](const ColumnSpec& spec) { return spec.name == title; }))
+      continue;
+    std::vector<std::string> blocks;
+    bool same = true, are_words = true;
+    const bool counts = counts_in_each_drop(table, k);
+    std::int64_t of_block = -1;
+    double before = -1.0;
+    std::size_t shortest = table.rows.size(), n_in_block = 0;
+    std::map<std::string, std::size_t> n_of;
+    for (std::size_t row = 0; row < table.rows.size(); ++row) {
+      const std::string& cell = table.rows[row].cells[k];
+      const auto number = table.number(table.rows[row], k);
+      are_words = are_words && !cell.empty() && !number;
+      ++n_of[cell];
+      const bool goes_on =
+          !blocks.empty() && (counts ? number->value == before + 1.0 : cell.empty() || cell == blocks.back());
+      if (!goes_on) {
+        if (!blocks.empty()) shortest = std::min(shortest, n_in_block);
+        blocks.push_back(cell), of_block = -1, n_in_block = 0;
+      }
+      if (number) before = number->value;
+      ++n_in_block;
+      if (drop_of_row[row] < 0) continue;
+      same = same && (of_block < 0 || of_block == drop_of_row[row]);
+      of_block = drop_of_row[row];
+    }
+    std::vector<std::string> sorted = blocks;
+    std::sort(sorted.begin(), sorted.end());
+    const bool comes_again = std::adjacent_find(sorted.begin(), sorted.end()) != sorted.end();
+    const bool are_blocks = std::min(shortest, n_in_block) > 1 && blocks.size() > 1 && (!comes_again || counts);
+    // two balls in turn, or rows that are no impacts: few words of which each stands in several rows
+    if (are_words && n_of.size() > 1 && 2 * n_of.size() <= table.rows.size() && comes_again)
+      ask(table, name,
+          column_name(table, k) +
+              " has the same words in several rows that do not follow each other; is each row an impact of one ball?",
+          {{"they are", told(options.as, options.unit, column_option(table, key, column))}});
+    const auto n_drops = static_cast<std::size_t>(*std::max_element(drop_of_row.begin(), drop_of_row.end()) + 1);
+    if (!are_blocks || (same && n_drops == blocks.size())) continue;
+    const std::string t = column_option(table, key, column);
+    ask(table, name, column_name(table, k) + " changes where no new drop is seen; does it tell the drops?",
+        counts ? std::vector<Reading>{{"it does not", told(options.as, options.unit, t)}}
+               : std::vector<Reading>{
+                     {"it does", told(options.as, options.unit, t + "," + column_option(table, "drop", k))},
+                     {"it does not", told(options.as, options.unit, t)}});
+  }
 }
 
 }  // namespace bouncelab
