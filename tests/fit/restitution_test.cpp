@@ -341,7 +341,7 @@ TEST(Restitution, AMissedImpactIsFlaggedAndTheScatterOfAStopWatchIsNot) {
     Random random(65, RandomStream::test, number);
     for (double& t_s : times) t_s += error_s * random.normal();
     Onsets onsets = onsets_at(times);
-    for (Onset& onset : onsets) onset.sigma_t_s = 0.003, onset.sigma_is_least = !error_is_known;
+    for (Onset& onset : onsets) onset.sigma_t_s = 0.003, onset.errors = error_is_known ? "" : kOfDigits;
     const RestitutionSamples samples = restitution_samples(onsets, {}).samples;
     return samples.size() - n_clean(samples);
   };

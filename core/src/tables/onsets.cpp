@@ -103,6 +103,8 @@ const RowColumns<Onset>& columns_of(const Onset*) {
              "given the drop and that of its place. Empty: not known (a table of an earlier version, a mark made by "
              "hand). Below one half the mark is flagged `improbable`",
              {0.0, 1.0}),
+      column("errors", &O::errors,
+             "`digits`: the standard error is that of the digits alone; the fit finds how much larger it is"),
       column("fall_m", &O::fall_m,
              "Height that the ball fell from before the impact, where heights were measured; `t_s` is then that of "
              "such flights without air",
@@ -141,12 +143,22 @@ void state_rounding(std::span<Onset> drop, std::optional<double> rounding, int d
   const auto step_s = grid_step_s(drop, decimals < 0 ? 0.0 : std::pow(10.0, -decimals));
   if (step_s) sigma_t_s = std::max(rounding.value_or(0.0), *step_s / std::sqrt(12.0));
   for (Onset& onset : drop)
-    if (!onset.sigma_t_s) onset.sigma_t_s = sigma_t_s, onset.sigma_is_least = sigma_t_s.has_value();
+    if (!onset.sigma_t_s) onset.sigma_t_s = sigma_t_s, onset.errors = sigma_t_s ? kOfDigits : "";
 }
 
 }  // namespace
 
-Table to_table(const Onsets& onsets) { return table_of<Onset>(columns_of(onsets.data()), onsets); }
+Table to_table(const Onsets& onsets) {
+  Table table = table_of<Onset>(columns_of(onsets.data()), onsets);
+  const auto no_onset = [&](auto has) { return std::none_of(onsets.begin(), onsets.end(), has); };
+  const bool no_heights = no_onset([](const Onset& onset) { return onset.fall_m.has_value(); });
+  const bool no_errors = no_onset([](const Onset& onset) { return !onset.errors.empty(); });
+  std::erase_if(table.columns, [&](const Column& column) {
+    return (no_heights && (column.name == "fall_m" || column.name == "sigma_fall_m")) ||
+           (no_errors && column.name == "errors");
+  });
+  return table;
+}
 
 std::vector<ColumnSpec> onset_columns() { return specs_of(columns_of(static_cast<const Onset*>(nullptr))); }
 
@@ -178,7 +190,7 @@ Onsets onsets_from_table(const Table& table, const std::string& name, const Onse
       std::find_if(table.columns.begin(), table.columns.end(), [](const Column& c) { return c.name == "fall_m"; });
   for (Onset& onset : onsets)
     if (onset.fall_m && !onset.sigma_fall_m)
-      onset.sigma_fall_m = falls->rounding(), onset.sigma_is_least = onset.sigma_fall_m.has_value();
+      onset.sigma_fall_m = falls->rounding(), onset.errors = onset.sigma_fall_m ? kOfDigits : "";
   return onsets;
 }
 

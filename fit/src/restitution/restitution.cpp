@@ -163,7 +163,7 @@ RestitutionSamples samples_of_drop(std::span<const Onset> drop, const Restitutio
   close_piece(drop.size());
   if (drop.front().fall_m) return samples;
   const bool has_first = config.drop_height_m && !samples.empty() && samples.front().impact == 0;
-  flag_wrong_intervals(std::span(samples).subspan(has_first ? 1 : 0), !drop.front().sigma_is_least, counts);
+  flag_wrong_intervals(std::span(samples).subspan(has_first ? 1 : 0), drop.front().errors != kOfDigits, counts);
   if (has_first && contradicts(samples)) {
     ++counts.n_heights_contradicted;
     // as high as the ball must fall to be as fast as the flight after the first impact asks for
@@ -255,13 +255,13 @@ RestitutionSamples RestitutionInPieces::finish() {
 void RestitutionInPieces::end_drop(RestitutionSamples& samples) {
   ++counts_.n_drops;
   for (Onset& onset : drop_) {
-    if (!onset.sigma_is_least) continue;
+    if (onset.errors != kOfDigits) continue;
     const std::optional<double>& said = onset.fall_m ? config_.sigma_height_m : config_.sigma_t_s;
     if (!said) continue;
     (onset.fall_m ? onset.sigma_fall_m : onset.sigma_t_s) = said;
-    onset.sigma_is_least = false;
+    onset.errors.clear();
   }
-  const bool sigma_is_least = drop_.front().sigma_is_least, of_heights = drop_.front().fall_m.has_value();
+  const bool sigma_is_least = drop_.front().errors == kOfDigits, of_heights = drop_.front().fall_m.has_value();
   RestitutionSamples of_drop;
   if (config_.travel_time) {
     of_drop = samples_of_drop(without_travel_time(drop_, *config_.travel_time), config_, counts_, heights_m_);

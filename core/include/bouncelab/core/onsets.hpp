@@ -61,6 +61,9 @@ class Flags {
 inline const std::string& cell_of(const Flags& flags) { return flags.text(); }
 inline void set_cell(Flags& flags, const std::string& cell) { flags = Flags::from_text(cell); }
 
+/// Of Onset::errors.
+inline constexpr const char* kOfDigits = "digits";
+
 /// One impact as detected in a recording.
 struct Onset {
   std::string recording;    ///< file as named by the user
@@ -73,7 +76,7 @@ struct Onset {
   Flags flags;
   /// That it is an impact of this ball: p(drop) p(impact given the drop), 0 ... 1.
   std::optional<double> probability = std::nullopt;
-  bool sigma_is_least = false;  ///< the standard error is that of the digits: no more is known
+  std::string errors = {};  ///< "digits": the standard error is that of the digits, and no more is known
   /// Where heights were measured: that which the ball fell from before this impact, and its standard error. t_s is then
   /// that of such flights without air.
   std::optional<double> fall_m = std::nullopt, sigma_fall_m = std::nullopt;
