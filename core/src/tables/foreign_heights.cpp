@@ -118,6 +118,7 @@ TakenTable heights_of(const ForeignTable& table, const ForeignOptions& options, 
   std::vector<double> h_m;
   std::vector<std::int64_t> drop;
   double rounding_m = HUGE_VAL;
+  std::size_t risen = 0;  // the line of a height that is above the one before it
   for (std::size_t k = 0; k < values.size(); ++k) {
     if (!(values[k].number.value > 0.0))
       throw FileError(name, "line " + std::to_string(values[k].line) + ": a height of " +
@@ -126,6 +127,8 @@ TakenTable heights_of(const ForeignTable& table, const ForeignOptions& options, 
     rounding_m = std::min(rounding_m, unit_m * values[k].number.rounding);  // "1, .81"
     const bool begins =
         k > 0 && (values[k].part != values[k - 1].part || (!sequence.has_drops && h_m[k] > kGrown * h_m[k - 1]));
+    constexpr double kRisen = 1.2;  // between its scatter and another drop
+    if (k > 0 && !begins && !sequence.has_drops && h_m[k] > kRisen * h_m[k - 1] && risen == 0) risen = values[k].line;
     drop.push_back(k == 0 ? 0 : drop.back() + (begins ? 1 : 0));
   }
   if (sequence.column && options.columns.empty() && !sequence.has_drops) {
@@ -134,6 +137,11 @@ TakenTable heights_of(const ForeignTable& table, const ForeignOptions& options, 
       if (table.number(table.rows[row], *sequence.column)) drop_of_row[row] = drop[k++];
     check_blocks(table, *sequence.column, "h", drop_of_row, options, name);
   }
+  if (risen > 0)
+    ask(table, name,
+        "line " + std::to_string(risen) +
+            ": the ball rose higher than before; a new drop? Write a blank line above it, or a column drop",
+        {});
   const std::string how = source_in_words(table, sequence);
   return table_of_heights(std::move(drop), std::move(h_m), rounding_m, how.empty() ? "" : " (" + how + ")");
 }
