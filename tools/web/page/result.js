@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What was found: the answer in sentences, ε(v), distributions, notes. (explanations, answerCurve, causesBox, number, element: report's answer.js, text.js)
 import {drawPicture, paddedRange} from './picture.js';
+import {plain} from './trouble.js';
 
 const $ = id => document.getElementById(id);
 
 export function showAnswer(result) {
-  // what the command line calls an option is a field here
-  const plain = w => w.replace(/\s*\((--[a-z-]+(, )?)+\)/g, '').replace(/\+-/g, '±').replace(/\beps\b/g, 'ε');
   const [lead, ...rest] = result.answer?.sentences ?? [result.message || 'No bouncing ball was found in this sound.'];
-  $('answer').replaceChildren(element('p', {class: 'lead'}, lead), ...[...rest, ...(result.answer?.doubt ? [plain(result.answer.doubt)] : [])].map(s => element('p', {}, s)),
+  $('answer').replaceChildren(element('p', {class: 'lead'}, plain(lead)), ...[...rest, ...(result.answer?.doubt ? [result.answer.doubt] : [])].map(s => element('p', {}, plain(s))),
                               ...(result.answer && explanations(result.answer) ? [element('p', {class: 'caption'}, explanations(result.answer))] : []));
   const causes = result.fitted?.causes ?? [];
   $('why').replaceChildren(...(causes.length ? [causesBox(causes)] : []));

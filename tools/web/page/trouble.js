@@ -6,6 +6,9 @@ export class Trouble extends Error {}
 
 const status = document.getElementById('status'), busy = document.getElementById('busy');
 
+/// What the command line calls an option is a field here.
+export const plain = text => text.replace(/\s*\((--[a-z-]+(, )?)+\)/g, '').replace(/\+-/g, '±').replace(/\beps\b/g, 'ε');
+
 export function say(text) {
   status.className = '';
   status.textContent = text;
@@ -13,7 +16,7 @@ export function say(text) {
 export function sayTrouble(error) {
   working(false);
   status.className = 'trouble';
-  status.textContent = error instanceof Trouble ? error.message : `Something went wrong in the page itself: ${error?.message ?? error}`;
+  status.textContent = error instanceof Trouble ? plain(error.message) : `Something went wrong in the page itself: ${error?.message ?? error}`;
   if (!(error instanceof Trouble)) console.error(error);
   status.scrollIntoView({block: 'nearest'});
 }

@@ -114,6 +114,35 @@ describe('the page', {skip: missing ?? false}, () => {
     await choose(page, clean);
   });
 
+  test('heights typed from paper give the answer; a unit beside a number is named', async () => {
+    const type = async (text, as, unit) => {
+      await page.$eval('#numbers', node => { node.value = ''; });
+      await page.type('#numbers', text);
+      await page.select('#numbers-as', as);
+      await page.select('#numbers-unit', unit);
+      await page.focus('#numbers-run');
+      return answered(page, () => page.keyboard.press('Enter'));
+    };
+    await page.click('#typed summary');
+    assert.match(await answered(page, () => page.click('#numbers-run')), /^No number is typed yet/);
+    assert.match(await type('1 m, .81, .66, .53', 'heights', 'm'), /^numbers: line 1: '1 m': leave the units out; their unit is said once, or in/);
+    assert.ok(await page.$eval('#result', node => node.hidden), 'no answer of the sound before');
+    const leads = [];
+    for (const [text, unit] of [['1, .81, .66, .53', 'm'], ['1\n.81\n.66\n.53', 'm'], ['1,\n.81,\n.66,\n.53', 'm'], ['1, 0,81, 0,66, 0,53', 'm'], ['100 81 66 53', 'cm']]) {
+      assert.match(await type(text, 'heights', unit), /^Read as heights.*: 3 bounces in 1 drop/, text);
+      leads.push(await page.$eval('#answer .lead', node => node.textContent));
+    }
+    const eps = Number(/^ε = (0\.\d+)/.exec(leads[0])[1]);
+    assert.ok(eps > 0.88 && eps < 0.92, leads[0]);
+    assert.deepEqual(new Set(leads).size, 1, leads.join('\n'));
+    assert.ok(!/\(--|times/.test(leads[0]), leads[0]);
+    assert.match(await page.$eval('#answer', node => node.textContent), /18 % of the energy/);
+    assert.ok(await page.$eval('#sound-section', node => node.hidden));
+    assert.match(await type('0.62 0.56 0.50 0.45', 'intervals', 's'), /^Read as intervals in s \(a row, blanks between\): 5 impacts in 1 drop/);
+    await page.click('#typed summary');
+    await choose(page, clean);
+  });
+
   test('marks are selected, moved, added, deleted, restored, and each change is fitted', async () => {
     const says = () => page.$eval('#mark-says', node => node.textContent), answer = () => page.$eval('#answer', node => node.textContent);
     const original = await answer(), n = truth.length;
