@@ -5,7 +5,7 @@ import {after, before, describe, test} from 'node:test';
 import {readFileSync, readdirSync, writeFileSync} from 'node:fs';
 import {join} from 'node:path';
 import {gzipSync} from 'node:zlib';
-import {answered, analyzed, clean, countOf, fromClean, launch, missing, openPage, ready, refitted, root, serve, site, truth, work} from './harness.js';
+import {analyzed, answered, clean, countOf, fromClean, launch, missing, openPage, ready, refitted, root, serve, site, truth, work} from './harness.js';
 
 const axe = join(root, 'tools/web/node_modules/axe-core/axe.min.js');
 
