@@ -51,8 +51,8 @@ bool ball_is_named(const RestitutionSamples& samples) {
   return !samples.empty() && samples.front().conditions.ball.has_value();
 }
 
-/// What drag takes from eps as the intervals, or as much as the heights, have it, at the fastest bounce more than at the slowest:
-/// eps kappa v^2 (1 + eps^2) / (4 g), docs/physics.md.
+/// What drag takes from eps as the intervals have it, and as much as heights do, at the fastest bounce more than at the
+/// slowest: eps kappa v^2 (1 + eps^2) / (4 g), docs/physics.md.
 Cause of_air(const FitResult& result, const PlainAnswer& answer, const RestitutionSamples& samples) {
   Cause cause{"air", {}, false, {}};
   const auto& points = result.curve->points;

@@ -311,7 +311,8 @@ PlainAnswer plain_answer(const FitResult& result, const RestitutionSamples& samp
         if (is_seen(fastest ? curve.end_changes.back() : curve.end_changes.front()) && !curve.step)
           answer.elsewhere.push_back(at(end.x, eps));
       }
-    answer.sentences.push_back(of_value(answer, curve, samples.empty() ? SampleConditions{} : samples.front().conditions));
+    answer.sentences.push_back(
+        of_value(answer, curve, samples.empty() ? SampleConditions{} : samples.front().conditions));
     if (!samples.empty())
       answer.doubt = largest_part(curve, samples.front().conditions.ball, samples.front().conditions.plate);
     if (curve.step) answer.sentences.push_back(of_step(*curve.step, decimals_for(answer.at->eps)));

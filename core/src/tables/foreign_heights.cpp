@@ -173,8 +173,18 @@ std::optional<TakenTable> heights_from_foreign(const ForeignTable& table, const 
   }
   if (lengths.size() > 1 && is_row && lengths.size() == measured.size())
     ask(table, name, "has heights in a row: of one ball, from its release on?", {{"they are", told("heights", options.unit, {})}});
-  if (of("heights"))
-    ask(table, name, "which column holds heights? --columns h=COLUMN, or h0=COLUMN,h=COLUMN before and after a bounce", {});
+  if (of("heights")) {
+    std::vector<Reading> readings;
+    for (std::size_t k = 0; k < table.n_columns(); ++k)
+      if (table.number(table.rows.front(), k) && !counts(table, k))
+        readings.push_back({"one after the other, " + column_name(table, k),
+                            told("heights", options.unit, column_option(table, "h", k))});
+    if (readings.size() == 2 && table.n_columns() == 2)
+      readings.push_back(
+          {"before and after a bounce, " + column_name(table, 0) + " and " + column_name(table, 1),
+           told("heights", options.unit, column_option(table, "h0", 0) + "," + column_option(table, "h", 1))});
+    ask(table, name, "which column holds heights?", std::move(readings));
+  }
   return std::nullopt;
 }
 
