@@ -52,7 +52,7 @@ async function show(result) {
   await breath();
   drawDistributions(result);
   if (open.simulated) showClosedLoop(open.simulated, section.marks.list);
-  showDownloads($('downloads'), engine, open.stem, !result.failed, open.wav, sayTrouble);
+  showDownloads($('downloads'), engine, open.stem, !result.failed, result.answer?.seen.n_impacts !== null, open.wav, sayTrouble);
 }
 
 async function analyze(stays) {

@@ -5,21 +5,21 @@ import {Trouble, sayTrouble} from './trouble.js';
 const $ = id => document.getElementById(id);
 
 const kKinds = {
-  heights: {label: 'heights, the release first', units: ['m', 'cm', 'mm', 'in', 'ft'], example: '1, .81, .66, .53', says: 'Heights of the ball’s lowest point over the floor.'},
-  intervals: {label: 'intervals from bounce to bounce', units: ['s', 'ms'], example: '0.62, 0.56, 0.50, 0.45', says: 'From one impact to the next, as a stopwatch has them.'},
-  times: {label: 'times of the bounces', units: ['s', 'ms'], example: '0.00, 0.62, 1.18, 1.68', says: 'By a clock that goes on, three or more.'},
+  heights: {units: ['m', 'cm', 'mm', 'in', 'ft'], example: '1, .81, .66, .53', says: 'Of the ball’s lowest point over the floor: the release, then each bounce.'},
+  intervals: {units: ['s', 'ms'], example: '0.62, 0.56, 0.50, 0.45', says: 'From each impact to the next.'},
+  times: {units: ['s', 'ms'], example: '0.00, 0.62, 1.18, 1.68', says: 'Of the impacts, at least three, by one clock.'},
 };
-const option = (value, label = value) => element('option', {value}, label);
+const options = values => values.map(value => element('option', {value}, value));
 
 /// @param take  is given a list of one file, and the options that tell how it is read
 export function acceptNumbers(take) {
   const show = () => {
     const {units, example, says} = kKinds[$('numbers-as').value];
-    $('numbers-unit').replaceChildren(...units.map(unit => option(unit)));
+    $('numbers-unit').replaceChildren(...options(units));
     $('numbers').placeholder = example;
-    $('numbers-say').textContent = `${says} Between numbers a comma, a semicolon, a blank or a new line; before another drop, one number a line and a blank line between.`;
+    $('numbers-say').textContent = `${says} Separate numbers by commas, semicolons, blanks or lines; of several drops write one number a line and leave a line empty between drops.`;
   };
-  $('numbers-as').append(...Object.entries(kKinds).map(([as, {label}]) => option(as, label)));
+  $('numbers-as').append(...options(Object.keys(kKinds)));
   $('numbers-as').addEventListener('change', show);
   show();
   $('numbers-run').addEventListener('click', () => {
