@@ -282,8 +282,8 @@ another separator | Time (s)\n0.4;1\n |  | line 2, column 'Time'
 a cell below no title | Time (s),,\n0.4,,\n1,51,,\n |  | line 3 has 2 cells, and the titles are 1
 more cells than titles | n,Time (s)\n1,0,4\n2,1,0\n |  | line 2 has 3 cells, and the titles are 2
 no format | 1 0.4\n2 1.0\n3\n |  | line 1: 1 0.4: not every line has the same number of cells
-units beside numbers | 0.4 s, 1, 1.51\n | --as times | line 1: '0.4 s': leave the units out
-units below each other | 1 m\n.81 m\n | --as heights --unit m | line 2: '.81 m': leave the units out
+units beside numbers | 0.4 s, 1, 1.51\n | --as times | line 1: '0.4 s': write the numbers alone
+units below each other | 1 m\n.81 m\n | --as heights --unit m | line 2: '.81 m': write the numbers alone
 one height | 1\n | --as heights --unit m | one height; two are needed
 numbers for titles | drop;1;2\n0.4;0.5;0.6\n |  | not every line has the same number of cells, all of them numbers
 a gap | n;Time (s)\n0;0.4\n1;1\n2;\n3;1.51\n |  | line 4, column 'Time (s)': the cell is empty

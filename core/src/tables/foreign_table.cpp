@@ -55,10 +55,9 @@ std::vector<Line> lines_of(std::string_view text) {
   std::smatch found;
   for (const Line& row : rows)
     if (const std::string text(row.text.substr(0, kSearched)); std::regex_search(text, found, kForm))
-      throw FileError(name,
-                      "line " + std::to_string(row.number) + ": '" + found[1].str() +
-                          "': leave the units out; their unit is said once (--unit), or in a line of titles above, "
-                          "such as Time (s) or h (m)");
+      throw FileError(name, "line " + std::to_string(row.number) + ": '" + found[1].str() +
+                                "': write the numbers alone and choose their unit (--unit), or name it in a line of "
+                                "titles above, such as Time (s) or h (m)");
   throw FileError(name,
                   "line " + std::to_string(rows.front().number) + ": " + printable(rows.front().text, 60) + ": " + why);
 }

@@ -125,7 +125,7 @@ describe('the page', {skip: missing ?? false}, () => {
     };
     await page.click('#typed summary');
     assert.match(await answered(page, () => page.click('#numbers-run')), /^No number is typed yet/);
-    assert.match(await type('1 m, .81, .66, .53', 'heights', 'm'), /^numbers: line 1: '1 m': leave the units out; their unit is said once, or in/);
+    assert.match(await type('1 m, .81, .66, .53', 'heights', 'm'), /^numbers: line 1: '1 m': write the numbers alone and choose their unit, or name it in/);
     assert.ok(await page.$eval('#result', node => node.hidden), 'no answer of the sound before');
     const leads = [];
     for (const [text, unit] of [['1, .81, .66, .53', 'm'], ['1\n.81\n.66\n.53', 'm'], ['1,\n.81,\n.66,\n.53', 'm'], ['1, 0,81, 0,66, 0,53', 'm'], ['100 81 66 53', 'cm']]) {
