@@ -11,11 +11,11 @@ class Convert : public ProgramTest {
     ProgramTest::SetUp();
     write("r.wav", float_wav(noise(44100 * 3, 0.01), 44100));
     write("o.csv",
-          "recording,drop,impact,t_s,sigma_t_s,amplitude,snr_db,flags,probability\n"
-          "r.wav,0,0,0.3000000123456789,1e-07,0.5,40.123456789,,0.999998\n"
-          "r.wav,0,1,0.7000000987654321,,0.4,,clipped|doubtful,0.5\n"
-          "r.wav,0,2,1.08,2e-07,0.30000000000000004,38,,0\n"
-          "r.wav,0,3,1.4412,2e-07,0.2,37,,\n");
+          "recording,drop,impact,t_s,sigma_t_s,amplitude,snr_db,flags,probability,fall_m,sigma_fall_m\n"
+          "r.wav,0,0,0.3000000123456789,1e-07,0.5,40.123456789,,0.999998,,\n"
+          "r.wav,0,1,0.7000000987654321,,0.4,,clipped|doubtful,0.5,,\n"
+          "r.wav,0,2,1.08,2e-07,0.30000000000000004,38,,0,,\n"
+          "r.wav,0,3,1.4412,2e-07,0.2,37,,,,\n");
   }
 };
 
@@ -44,8 +44,8 @@ TEST_F(Convert, MarksCorrectedByHandGoOnToRestitution) {
   ASSERT_EQ(back.exit_code, 0) << back.err;
   EXPECT_THAT(back.out, testing::HasSubstr("5 onsets, 2 of them placed by hand"));
   const std::string corrected = content("corrected.csv");
-  EXPECT_THAT(corrected, testing::HasSubstr("r.wav,0,1,0.698,,,,by_hand,\n"));
-  EXPECT_THAT(corrected, testing::HasSubstr("r.wav,0,4,1.784,,,,by_hand,\n"));
+  EXPECT_THAT(corrected, testing::HasSubstr("r.wav,0,1,0.698,,,,by_hand,,,\n"));
+  EXPECT_THAT(corrected, testing::HasSubstr("r.wav,0,4,1.784,,,,by_hand,,,\n"));
   const Result samples = run("restitution corrected.csv --out s.csv");
   EXPECT_EQ(samples.exit_code, 0) << samples.err;
   const std::string table = content("s.csv");

@@ -248,7 +248,7 @@ TEST_F(ForeignFiles, AQuestionIsAnsweredByACommandThatItPrints) {
   for (const Asked& c :
        {Asked{"restitution \"it's two.csv\" --unit s --out s.csv --force", "2 columns are of a time",
               "    A (s)   0.400000  1.000000  1.510000 ...", 2},
-        Asked{"fall.csv --out fall --force", "do not rise", "    1  0.6  0.51  0.4335 ...", 1},
+        Asked{"fall.csv --out fall --force", "do not rise", "    1  0.6  0.51  0.4335 ...", 2},
         Asked{"analyze columns.csv --out columns --force --json", "no title has a unit", "    Höhe  0  0  0 ...", 1},
         Asked{"convert trial.csv --to trial.jsonl --force", "'trial' changes", "    trial     1  1  1 ...", 2},
         Asked{"fit speeds.csv --out f.json --force", "which columns are", "    e         0,85  0,86  0,85 ...", 1}}) {
@@ -271,6 +271,23 @@ TEST_F(ForeignFiles, AQuestionIsAnsweredByACommandThatItPrints) {
     }
     EXPECT_EQ(n_readings, c.n_readings) << result.err;
   }
+}
+
+TEST_F(ForeignFiles, HeightsInARowAreAskedAndTheAnswerGivesTheCoefficient) {
+  write("h.csv", "1, .81, .66, .53\n");
+  const Result asked = run("analyze h.csv --out h");
+  EXPECT_EQ(asked.exit_code, 2) << asked.err;
+  std::string answer;
+  for (const std::string& line : lines_of(asked.err))
+    if (line.find("heights in m: bouncelab ") != std::string::npos)
+      answer = line.substr(line.find(": bouncelab ") + 12);
+  ASSERT_NE(answer, "") << asked.err;
+  const Result answered = shell("\"$B\" " + answer);
+  EXPECT_EQ(answered.exit_code, 0) << answered.err;
+  EXPECT_THAT(answered.out + answered.err, HasSubstr("heights (a row, ',' between): 3 bounces in 1 drop"));
+  const Json eps = Json(content("h/fit.json"))["answer"]["at"]["eps"];
+  // (.53/1)^(1/6) = .8996; what air may have slowed it adds some thousandths
+  EXPECT_NEAR(eps.number(), 0.905, 0.01);
 }
 
 TEST_F(ForeignFiles, NumbersOfRowsBesideTimesAreNoLabels) {

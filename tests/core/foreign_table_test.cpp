@@ -210,17 +210,17 @@ constexpr const char* kAsked = R"x(
 3: two columns | A (s),B (s)\n.4,.1\n1,.6\n1.51,1\n |  | 2 columns are of a time | --columns t=A (s) | .4 1 1.51 | --columns t=B (s) | .1 .6 1
 3: of one name | t_s,t_s\n.4,.1\n1,.6\n1.51,1\n |  | 2 columns | --columns t=1 | .4 1 1.51 | --columns t=2 | .1 .6 1
 3: drops told | A (s),B (s),n\n.4,.1,1\n1,.6,1\n1.51,1,2\n | --columns drop=n | 2 columns | --columns t=A (s),drop=n | .4 1, 1.51 | --columns t=B (s),drop=n | .1 .6, 1
-3: time and height | Time (s);y (m)\n0.4;1\n1;1\n1.51;1\n |  | another measured quantity | --columns t=Time (s) | 0.4 1 1.51
+3: time and height | Time (s);y (m)\n0.4;1\n1;1\n1.51;1\n |  | another measured quantity | --columns t=Time (s) | 0.4 1 1.51 | --as heights --columns h=y (m) | -
 3: no unit | Time\n0.40\n1.00\n1.51\n |  | no title has a unit | --as times --unit s --columns t=Time | 0.4 1 1.51
 3: two without | t,e\n600,1\n510,2\n433.5,4\n |  | no title has a unit | --as intervals --unit ms --columns t=t | 0 0.6 1.11 1.5435
 3: coefficients | v,e\n1.2,.85\n1,.85\n.8,.86\n |  | no title has a unit | --as intervals --unit s --columns t=v | -
 3: no whole unit | t (10^-3 s)\n0.40\n1.00\n1.51\n |  | no title has a unit | --as times --unit s --columns t=t (10^-3 s) | 0.4 1 1.51
-3: another quantity | y (m),v\n0.4,1\n1,3\n1.51,4\n |  | no column is a time: column 'y (m)'
-4: falling | 0.6\n0.51\n0.4335\n |  | do not rise | --as intervals --unit s | 0 0.6 1.11 1.5435
+3: another quantity | v (m/s),x\n0.4,1\n1,3\n1.51,4\n |  | no column is a time: column 'v (m/s)'
+4: falling | 0.6\n0.51\n0.4335\n |  | do not rise | --as intervals --unit s | 0 0.6 1.11 1.5435 | --as heights --unit m | -
 4: falling, titled | Time (ms)\n600\n510\n433.5\n |  | do not rise | --as intervals | 0 0.6 1.11 1.5435 | --as times | -
 4: two impacts, then three | Time (s)\n0.4\n1\n0.4\n1\n1.51\n |  | do not rise | --as intervals | - | --as times | 0.4 1, 0.4 1 1.51
 4: in a drop | drop;Time (s)\n1;.4\n1;1\n1;1.51\n1;.4\n1;1\n1;1.51\n |  | do not rise | --as intervals | - | --as times | -
-4: a falling row | 600;510;433,5\n |  | do not rise | --as intervals --unit ms | 0 0.6 1.11 1.5435
+4: a falling row | 600;510;433,5\n |  | do not rise | --as intervals --unit ms | 0 0.6 1.11 1.5435 | --as heights --unit mm | -
 4: dt that rises | dt (s)\n0.4\n1\n1.51\n |  | their title says intervals | --as intervals | - | --as times | 0.4 1 1.51
 5: no speeds of balls | 400\n1000\n1510\n |  | which no ball has | --unit ms | 0.4 1 1.51
 5: nor by the title | Time (s)\n400\n1000\n1500\n |  | intervals of 550 s in the median | --unit ms | 0.4 1 1.5

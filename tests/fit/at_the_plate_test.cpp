@@ -9,6 +9,7 @@
 #include "bouncelab/core/restitution_law.hpp"
 #include "bouncelab/fit/restitution.hpp"
 #include "integrated_flight.hpp"
+#include "restitution/air_and_contact.hpp"
 
 namespace bouncelab::fit {
 namespace {
@@ -112,6 +113,61 @@ TEST(AtThePlate, DragAndContactOfANamedBallAreTakenOut) {
     // kappa is that of one speed in each flight: a twentieth of what drag does, as C_d changes along it
     EXPECT_LT(worst_error(at, ball_law), error) << name;
     EXPECT_TRUE(at[0].conditions.drag_corrected && at[0].conditions.contact_time_corrected);
+  }
+}
+
+/// Where a ball thrown up comes to rest, by steps of Euler and Heun.
+double integrated_rise_m(double launch_mps, double kappa_per_m) {
+  constexpr double kStep_s = 1e-5;
+  const auto a = [&](double v) { return -kDefaultGravity_mps2 - kappa_per_m * v * std::abs(v); };
+  double z = 0.0, v = launch_mps;
+  for (;;) {
+    const double next = v + 0.5 * kStep_s * (a(v) + a(v + kStep_s * a(v)));
+    if (next < 0.0) return z + 0.5 * v * v / kDefaultGravity_mps2;
+    z += 0.5 * kStep_s * (v + next), v = next;
+  }
+}
+/// How fast one that was let go is below.
+double integrated_fall_mps(double height_m, double kappa_per_m) {
+  constexpr double kStep_s = 1e-5;
+  const auto a = [&](double v) { return kDefaultGravity_mps2 - kappa_per_m * v * v; };
+  double z = 0.0, v = 0.0;
+  for (;;) {
+    const double next = v + 0.5 * kStep_s * (a(v) + a(v + kStep_s * a(v)));
+    if (z + 0.5 * kStep_s * (v + next) > height_m)
+      return v + (next - v) * (height_m - z) / (0.5 * kStep_s * (v + next));
+    z += 0.5 * kStep_s * (v + next), v = next;
+  }
+}
+
+TEST(AtThePlate, HeightsGiveTheCoefficientBackInAirAndInVacuum) {
+  const auto eps_at = [](double v) { return 0.9 - 0.02 * v; };
+  for (const double kappa_per_m : {0.0, 0.013, 0.13}) {
+    Onsets onsets;
+    double h_m = 1.5;
+    for (int k = 0; k < 6; ++k) {
+      Onset o;
+      o.impact = k, o.t_s = k, o.fall_m = h_m, o.sigma_fall_m = 1e-3;
+      onsets.push_back(o);
+      const double v =
+          kappa_per_m > 0.0 ? integrated_fall_mps(h_m, kappa_per_m) : std::sqrt(2.0 * kDefaultGravity_mps2 * h_m);
+      const double u = v * eps_at(v);
+      h_m = kappa_per_m > 0.0 ? integrated_rise_m(u, kappa_per_m) : 0.5 * u * u / kDefaultGravity_mps2;
+    }
+    const RestitutionSamples raw = restitution_samples(onsets, {}).samples;
+    ASSERT_EQ(raw.size(), 5U);  // the first impact counts
+    AirAndContact known;
+    known.gravity_mps2 = kDefaultGravity_mps2, known.kappa_per_m = kappa_per_m;
+    known.has_drag = kappa_per_m > 0.0, known.has_contact = false, known.of_heights = true;
+    const RestitutionSamples at = at_the_plate(raw, known, {});
+    for (std::size_t k = 0; k < at.size(); ++k) {
+      const double truth = eps_at(at[k].v_mps);
+      EXPECT_NEAR(at[k].eps, truth, kappa_per_m > 0.0 ? 1e-6 : 1e-14) << kappa_per_m;  // steps of 1e-5 s
+      if (kappa_per_m > 0.1) EXPECT_GT(truth - raw[k].eps, 5e-3);
+    }
+    // errors of the root of a ratio
+    EXPECT_NEAR(*raw[0].sigma_eps, 0.5 * raw[0].eps * std::hypot(1e-3 / *onsets[0].fall_m, 1e-3 / *onsets[1].fall_m),
+                1e-12);
   }
 }
 

@@ -15,7 +15,7 @@ namespace bouncelab::fit {
 namespace {
 
 /// One ball's recording.
-struct Ball {
+struct HeardBall {
   std::string recording;
   std::size_t n = 40;
   double shift = 0.0;  ///< of eps from the common law
@@ -23,10 +23,10 @@ struct Ball {
   double sd_between_drops = 0.0;
 };
 
-RestitutionSamples samples_of(const std::vector<Ball>& balls, std::uint64_t seed) {
+RestitutionSamples samples_of(const std::vector<HeardBall>& balls, std::uint64_t seed) {
   RestitutionSamples all;
   for (std::size_t k = 0; k < balls.size(); ++k) {
-    const Ball& ball = balls[k];
+    const HeardBall& ball = balls[k];
     testing::SyntheticRun run;
     run.scatter = testing::Scatter::normal;
     run.above_at_1mps = 2e-3;
@@ -53,7 +53,7 @@ Recordings compared(const RestitutionSamples& samples) {
 }
 
 /// Kolmogorov's distance of the p-values of so many experiments from the uniform distribution, over its scale.
-double distance_from_uniform(const std::vector<Ball>& balls, std::size_t n_experiments) {
+double distance_from_uniform(const std::vector<HeardBall>& balls, std::size_t n_experiments) {
   std::vector<double> p;
   for (std::uint64_t seed = 1; seed <= n_experiments; ++seed)
     p.push_back(compared(samples_of(balls, seed)).test->p_value);
@@ -67,9 +67,9 @@ double distance_from_uniform(const std::vector<Ball>& balls, std::size_t n_exper
 
 TEST(Recordings, OfEqualBallsAgreeWithAUniformP) {
   const double sd = 2e-3;  // between drops, as the scatter of the samples
-  const std::vector<Ball> whose_drops_differ{{"a", 48, 0.0, 6, sd}, {"b", 48, 0.0, 6, sd}};
+  const std::vector<HeardBall> whose_drops_differ{{"a", 48, 0.0, 6, sd}, {"b", 48, 0.0, 6, sd}};
   for (const auto& balls :
-       {std::vector<Ball>{{"a"}, {"b"}}, {{"a", 8}, {"b", 8}, {"c", 8}, {"d", 8}, {"e", 8}}, whose_drops_differ})
+       {std::vector<HeardBall>{{"a"}, {"b"}}, {{"a", 8}, {"b", 8}, {"c", 8}, {"d", 8}, {"e", 8}}, whose_drops_differ})
     // Kolmogorov's distribution: once in a thousand; of so few a little less
     EXPECT_LT(distance_from_uniform(balls, test::repetitions<std::size_t>(10, 30)), 1.95) << balls.size();
   EXPECT_EQ(compared(samples_of(whose_drops_differ, 1)).test->within, WithinUnit::drops);

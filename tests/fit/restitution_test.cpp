@@ -336,5 +336,27 @@ TEST(TravelTime, RejectsASpeedThatIsNone) {
   EXPECT_THROW(without_travel_time({}, travel), InvalidArgument);
 }
 
+TEST(Restitution, AMissedImpactIsFlaggedAndTheScatterOfAStopWatchIsNot) {
+  const auto n_flagged = [](std::vector<double> times, double error_s, bool error_is_known, std::uint64_t number) {
+    Random random(65, RandomStream::test, number);
+    for (double& t_s : times) t_s += error_s * random.normal();
+    Onsets onsets = onsets_at(times);
+    for (Onset& onset : onsets) onset.sigma_t_s = 0.003, onset.sigma_is_least = !error_is_known;
+    const RestitutionSamples samples = restitution_samples(onsets, {}).samples;
+    return samples.size() - n_clean(samples);
+  };
+  const std::vector<double> heard = geometric_times(0.8, 0.9, 10);
+  std::vector<double> missed = heard;
+  missed.erase(missed.begin() + 5);
+  std::size_t by_hand = 0, as_if_exact = 0;
+  for (std::uint64_t number = 0; number < 40; ++number) {
+    for (const bool error_is_known : {true, false}) EXPECT_EQ(n_flagged(missed, 1e-4, error_is_known, number), 2U);
+    by_hand += n_flagged(heard, 0.05, false, number);
+    as_if_exact += n_flagged(heard, 0.05, true, number);
+  }
+  EXPECT_GT(as_if_exact, 20U);  // what is told apart is not told apart by being rare
+  EXPECT_LE(by_hand, as_if_exact / 10);
+}
+
 }  // namespace
 }  // namespace bouncelab::fit

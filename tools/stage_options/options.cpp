@@ -267,7 +267,9 @@ Description members_of(const ForeignFileOptions*) {
       member<&O::table, &ForeignOptions::unit>("unit", "Their unit; auto: that of their title")
           .one_of("auto,s,ms,us,m,cm,mm,in,ft"),
       member<&O::table, &ForeignOptions::columns>(
-          "columns", "Which columns are what, by title or number from 1 (default: by the units of their titles)")
+          "columns",
+          "Which columns are what, by title or number from 1; h0=COLUMN,h=COLUMN: heights before and after a bounce "
+          "(default: by the units of their titles)")
           .looks_like("t|h=COLUMN[,drop=COLUMN]"),
       member<&O::tier>(
           "tier",

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <utility>
 
-#include "bouncelab/core/error.hpp"
 #include "bouncelab/core/ball.hpp"
+#include "bouncelab/core/error.hpp"
 #include "bouncelab/core/text.hpp"
 #include "tables/foreign_sequence.hpp"
 
@@ -38,10 +38,10 @@ std::optional<Pairs> pairs_of(const ForeignTable& table, const ForeignOptions& o
     if (one && one->dimension != Dimension::length)
       throw FileError(name, column_name(table, column) + " is another quantity: its unit is " + one->name);
   if (a && b && a->si != b->si)
-    throw FileError(name, column_name(table, *first) + " and " + column_name(table, *second) + " have two units; write one");
+    throw FileError(name,
+                    column_name(table, *first) + " and " + column_name(table, *second) + " have two units; write one");
   const double said = unit_in(options);
-  if (said == 0.0 && !a && !b )
-    ask(table, name, "in which unit are the heights? --unit m, cm, mm, in or ft", {});
+  if (said == 0.0 && !a && !b) ask(table, name, "in which unit are the heights? --unit m, cm, mm, in or ft", {});
   pairs.si = said > 0.0 ? said : a ? a->si : b ? b->si : 1.0;
   check_first_cells(table, name);
   for (const ForeignTable::Row& row : table.rows) {
@@ -92,11 +92,11 @@ TakenTable table_of_pairs(Pairs pairs, const std::string& name) {
 
 /// 0, 1, 2 or 1, 2, 3 from row to row, in each drop anew perhaps: a number of the bounce or of the drop.
 bool counts(const ForeignTable& table, std::size_t column) {
-  double before = -1.0;
+  double before = 0.0;
   for (const ForeignTable::Row& row : table.rows) {
     const auto number = table.number(row, column);
     const double here = number ? number->value : before;
-    if (here != before && here != before + 1.0 && here > 1.0) return false;
+    if (here != before && here != before + 1.0 && here != 0.0 && here != 1.0) return false;
     before = here;
   }
   return true;
@@ -126,9 +126,15 @@ TakenTable heights_of(const ForeignTable& table, const ForeignOptions& options, 
                                 short_number(values[k].number.value) + "; heights are above 0: leave it out");
     h_m.push_back(unit_m * values[k].number.value);
     rounding_m = std::min(rounding_m, unit_m * values[k].number.rounding);  // "1, .81"
-    const bool begins = k > 0 && (values[k].part != values[k - 1].part ||
-                                  (!sequence.has_drops && h_m[k] > kGrown * h_m[k - 1]));
+    const bool begins =
+        k > 0 && (values[k].part != values[k - 1].part || (!sequence.has_drops && h_m[k] > kGrown * h_m[k - 1]));
     drop.push_back(k == 0 ? 0 : drop.back() + (begins ? 1 : 0));
+  }
+  if (sequence.column && options.columns.empty() && !sequence.has_drops) {
+    std::vector<std::int64_t> drop_of_row(table.rows.size(), -1);
+    for (std::size_t row = 0, k = 0; row < table.rows.size(); ++row)
+      if (table.number(table.rows[row], *sequence.column)) drop_of_row[row] = drop[k++];
+    check_blocks(table, *sequence.column, "h", drop_of_row, options, name);
   }
   const std::string how = source_in_words(table, sequence);
   return table_of_heights(std::move(drop), std::move(h_m), rounding_m, how.empty() ? "" : " (" + how + ")", name);
@@ -137,7 +143,7 @@ TakenTable heights_of(const ForeignTable& table, const ForeignOptions& options, 
 }  // namespace
 
 std::optional<TakenTable> heights_from_foreign(const ForeignTable& table, const std::string& name,
-                                            const ForeignOptions& options) {
+                                               const ForeignOptions& options) {
   const auto of = [&](const char* as) { return options.as == as; };
   if (of("times") || of("intervals") || told_column(table, options, "t", name)) return std::nullopt;
   if (auto pairs = pairs_of(table, options, "h0", "h", name)) return table_of_pairs(*std::move(pairs), name);
@@ -151,17 +157,18 @@ std::optional<TakenTable> heights_from_foreign(const ForeignTable& table, const 
   }
   const bool is_row = table.rows.size() == 1 && table.n_columns() > 1;
   if (of("heights") && is_row && lengths.size() != 1) return heights_of(table, options, std::nullopt, name);
-  if (lengths.size() == 1 && options.as == "auto")
+  if (lengths.size() == 1 && measured.size() == 1 && options.as == "auto")
     for (std::size_t k = 0; k < table.n_columns(); ++k)
-      if (k != lengths[0] && table.number(table.rows.front(), k) && !counts(table, k)) {
-        std::vector<Reading> readings{{"the heights of one ball, one after the other, are in " + column_name(table, lengths[0]),
-                                       told("heights", options.unit, column_option(table, "h", lengths[0]))}};
-        if (!unit_of(table, k))
-          readings.push_back({"it rose to " + column_name(table, k),
-                              told("heights", options.unit, column_option(table, "h0", lengths[0]) + "," + column_option(table, "h", k))});
-        ask(table, name, "has heights and another column of numbers: what is it?", std::move(readings));
+      if (k != lengths[0] && title_of(table, k) != "drop" && table.number(table.rows.front(), k) && !counts(table, k)) {
+        const std::string h = column_option(table, "h", lengths[0]), h0 = column_option(table, "h0", lengths[0]);
+        ask(table, name, "has heights and another column of numbers: what is it?",
+            {{"the heights of one ball, one after the other, are in " + column_name(table, lengths[0]),
+              told("heights", options.unit, h)},
+             {"from there it rose to " + column_name(table, k),
+              told("heights", options.unit, h0 + "," + column_option(table, "h", k))}});
       }
-  if (lengths.size() == 1 && (measured.size() == 1 || of("heights"))) return heights_of(table, options, lengths[0], name);
+  if (lengths.size() == 1 && (measured.size() == 1 || of("heights")))
+    return heights_of(table, options, lengths[0], name);
   if (of("heights") && table.n_columns() == 1) return heights_of(table, options, 0, name);
   if (lengths.size() == 2 && measured.size() == 2 && !is_row) {
     std::size_t a = lengths[0], b = lengths[1];
@@ -172,7 +179,8 @@ std::optional<TakenTable> heights_from_foreign(const ForeignTable& table, const 
           told("auto", "auto", column_option(table, "h0", a) + "," + column_option(table, "h", b))}});
   }
   if (lengths.size() > 1 && is_row && lengths.size() == measured.size())
-    ask(table, name, "has heights in a row: of one ball, from its release on?", {{"they are", told("heights", options.unit, {})}});
+    ask(table, name, "has heights in a row: of one ball, from its release on?",
+        {{"they are", told("heights", options.unit, {})}});
   if (of("heights")) {
     std::vector<Reading> readings;
     for (std::size_t k = 0; k < table.n_columns(); ++k)

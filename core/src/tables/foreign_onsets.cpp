@@ -140,8 +140,13 @@ std::optional<std::size_t> column_of(const ForeignTable& table, const ForeignOpt
         std::to_string(of_time.size()) +
             " columns are of a time, and one is read; which? Several drops stand below each other, with a column drop",
         std::move(readings));
-  if (measured.size() > 1 && !of_time.empty())
+  if (measured.size() > 1 && !of_time.empty()) {
+    for (const std::size_t k : measured)
+      if (!is_row && unit_of(table, k)->dimension == Dimension::length)
+        readings.push_back({"heights, one after the other, of " + column_name(table, k),
+                            told("heights", options.unit, column_option(table, "h", k))});
     ask(table, name, "has a time and another measured quantity: which is to be read?", std::move(readings));
+  }
   if (table.titles.empty() && is_row) return std::nullopt;
   if (table.n_columns() == 1 && (table.titles.empty() || options.as != "auto")) return std::size_t{0};
   if (!measured.empty())
@@ -255,45 +260,6 @@ Times times_of_intervals(const Sequence& sequence, double unit_s, const std::str
   return times;
 }
 
-/// Asks about a column whose cells stand in blocks ("1 1 1 2 2 2") that are not the drops found.
-/// @param drop_of_row  -1: the row has no impact
-void check_blocks(const ForeignTable& table, std::size_t column, const std::vector<std::int64_t>& drop_of_row,
-                  const ForeignOptions& options, const std::string& name) {
-  const std::vector<ColumnSpec> own = onset_columns();
-  for (std::size_t k = 0; k < table.n_columns(); ++k) {
-    const std::string title = title_of(table, k);
-    if (k == column || unit_of(table, k) ||
-        std::any_of(own.begin(), own.end(), [&](const ColumnSpec& spec) { return spec.name == title; }))
-      continue;
-    std::vector<std::string> blocks;
-    bool same = true;
-    std::int64_t of_block = -1;
-    std::size_t shortest = table.rows.size(), n_in_block = 0;
-    for (std::size_t row = 0; row < table.rows.size(); ++row) {
-      const std::string& cell = table.rows[row].cells[k];
-      const bool goes_on = !blocks.empty() && (cell.empty() || cell == blocks.back());
-      if (!goes_on) {
-        if (!blocks.empty()) shortest = std::min(shortest, n_in_block);
-        blocks.push_back(cell), of_block = -1, n_in_block = 0;
-      }
-      ++n_in_block;
-      if (drop_of_row[row] < 0) continue;
-      same = same && (of_block < 0 || of_block == drop_of_row[row]);
-      of_block = drop_of_row[row];
-    }
-    std::vector<std::string> sorted = blocks;
-    std::sort(sorted.begin(), sorted.end());
-    const bool are_blocks = std::min(shortest, n_in_block) > 1 && blocks.size() > 1 &&
-                            std::adjacent_find(sorted.begin(), sorted.end()) == sorted.end();
-    const auto n_drops = static_cast<std::size_t>(*std::max_element(drop_of_row.begin(), drop_of_row.end()) + 1);
-    if (!are_blocks || (same && n_drops == blocks.size())) continue;
-    const std::string t = column_option(table, "t", column);
-    ask(table, name, column_name(table, k) + " changes where no new drop is seen; does it tell the drops?",
-        {{"it does", told(options.as, options.unit, t + "," + column_option(table, "drop", k))},
-         {"it does not", told(options.as, options.unit, t)}});
-  }
-}
-
 }  // namespace
 
 std::vector<std::int64_t> drops_of(std::span<const double> t_s) {
@@ -336,7 +302,7 @@ TakenTable onsets_from_foreign(const ForeignTable& table, const std::string& nam
       if (intervals && (impact == 0 || times.drop[impact] != times.drop[impact - 1])) ++impact;  // its first, at 0
       drop_of_row[row] = times.drop[impact++];
     }
-    check_blocks(table, *sequence.column, drop_of_row, options, name);
+    check_blocks(table, *sequence.column, "t", drop_of_row, options, name);
   }
   TakenTable taken;
   const std::size_t n_impacts = times.t_s.size();

@@ -102,4 +102,42 @@ Sequence column_of_numbers(const ForeignTable& table, std::size_t column, const 
   return sequence;
 }
 
+void check_blocks(const ForeignTable& table, std::size_t column, std::string_view key,
+                  const std::vector<std::int64_t>& drop_of_row, const ForeignOptions& options,
+                  const std::string& name) {
+  const std::vector<ColumnSpec> own = onset_columns();
+  for (std::size_t k = 0; k < table.n_columns(); ++k) {
+    const std::string title = title_of(table, k);
+    if (k == column || unit_of(table, k) ||
+        std::any_of(own.begin(), own.end(), [&](const ColumnSpec& spec) { return spec.name == title; }))
+      continue;
+    std::vector<std::string> blocks;
+    bool same = true;
+    std::int64_t of_block = -1;
+    std::size_t shortest = table.rows.size(), n_in_block = 0;
+    for (std::size_t row = 0; row < table.rows.size(); ++row) {
+      const std::string& cell = table.rows[row].cells[k];
+      const bool goes_on = !blocks.empty() && (cell.empty() || cell == blocks.back());
+      if (!goes_on) {
+        if (!blocks.empty()) shortest = std::min(shortest, n_in_block);
+        blocks.push_back(cell), of_block = -1, n_in_block = 0;
+      }
+      ++n_in_block;
+      if (drop_of_row[row] < 0) continue;
+      same = same && (of_block < 0 || of_block == drop_of_row[row]);
+      of_block = drop_of_row[row];
+    }
+    std::vector<std::string> sorted = blocks;
+    std::sort(sorted.begin(), sorted.end());
+    const bool are_blocks = std::min(shortest, n_in_block) > 1 && blocks.size() > 1 &&
+                            std::adjacent_find(sorted.begin(), sorted.end()) == sorted.end();
+    const auto n_drops = static_cast<std::size_t>(*std::max_element(drop_of_row.begin(), drop_of_row.end()) + 1);
+    if (!are_blocks || (same && n_drops == blocks.size())) continue;
+    const std::string t = column_option(table, key, column);
+    ask(table, name, column_name(table, k) + " changes where no new drop is seen; does it tell the drops?",
+        {{"it does", told(options.as, options.unit, t + "," + column_option(table, "drop", k))},
+         {"it does not", told(options.as, options.unit, t)}});
+  }
+}
+
 }  // namespace bouncelab

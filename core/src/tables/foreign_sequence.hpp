@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "tables/foreign_columns.hpp"
@@ -42,6 +43,12 @@ Sequence column_of_numbers(const ForeignTable& table, std::size_t column, const 
                            const std::string& name);
 /// "column 'Time (s)', ';' between, decimal comma"
 std::string source_in_words(const ForeignTable& table, const Sequence& sequence);
+
+/// Asks about a column whose cells stand in blocks ("1 1 1 2 2 2") that are not the drops found.
+/// @param key          of --columns for the column of the numbers
+/// @param drop_of_row  -1: the row has no impact
+void check_blocks(const ForeignTable& table, std::size_t column, std::string_view key,
+                  const std::vector<std::int64_t>& drop_of_row, const ForeignOptions& options, const std::string& name);
 
 /// Heights, where the options or the units of the titles say so; nothing of another table.
 /// @throws FileError, AmbiguousTable
