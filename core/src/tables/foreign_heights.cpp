@@ -71,7 +71,8 @@ TakenTable table_of_heights(std::vector<std::int64_t> drop, std::vector<double> 
   const int decimals = decimals_of({rounding_m}, 1.0);
   taken.table.columns = {Column{"drop", std::move(drop)}, Column{"t_s", std::move(t_s)},
                          Column{"fall_m", std::move(h_m), decimals}};
-  taken.taken_for = "heights" + words + ": " + std::to_string(n_bounces) + (n_bounces == 1 ? " bounce in " : " bounces in ") + std::to_string(n_drops) +
+  taken.taken_for = "heights" + words + ": " + std::to_string(n_bounces) +
+                    (n_bounces == 1 ? " bounce in " : " bounces in ") + std::to_string(n_drops) +
                     (n_drops == 1 ? " drop" : " drops");
   return taken;
 }
@@ -86,8 +87,7 @@ TakenTable table_of_pairs(Pairs pairs, const std::string& name) {
     h_m.insert(h_m.end(), {pairs.before[k], pairs.after[k]});
     rounding_m = std::min({rounding_m, pairs.before_rounding[k], pairs.after_rounding[k]});
   }
-  return table_of_heights(std::move(drop), std::move(h_m), rounding_m, " before and after (" + pairs.words + ")",
-                          name);
+  return table_of_heights(std::move(drop), std::move(h_m), rounding_m, " before and after (" + pairs.words + ")", name);
 }
 
 /// 0, 1, 2 or 1, 2, 3 from row to row, in each drop anew perhaps: a number of the bounce or of the drop.
