@@ -12,6 +12,9 @@ const lengthText = h => !known(h) ? '–' : h < 0.01 ? `${number(1e3 * h, 2)} mm
 const heightText = seen => seen.drop_heights_m ? `${lengthText(seen.drop_heights_m[0])} to ${lengthText(seen.drop_heights_m[1])}` : lengthText(seen.drop_height_m) + (seen.drop_height_ci95_m ? ` (${lengthText(seen.drop_height_ci95_m[0])} to ${lengthText(seen.drop_height_ci95_m[1])})` : '');
 const timeText = t => known(t) ? `${number(t, 2)} s` : '–';
 
+/// Where the errors of the points come from: of heights and speeds there are no impacts and times.
+const sourceOfErrors = answer => answer?.seen?.n_impacts === null ? 'measuring' : 'timing';
+
 /// What the signs of the answer mean, each where it is used.
 function explanations(answer) {
   const at = answer.at || (answer.recordings || []).map(r => r.at).find(Boolean), parts = [];
@@ -69,7 +72,8 @@ function causesBox(causes) {
 }
 
 function lawCaption() {
-  return (few ? (samples.of_intervals ? 'Points: bounces, as their intervals have them, with the error that timing alone gives them; line and band have the air and the contacts taken out, as far as they are known of a ball without a name.' : 'Points: bounces, without what air and contact did to their intervals, with the error that timing alone gives them.') : 'Colour: number of bounces in each cell, on a logarithmic scale.') +
+  const errors = sourceOfErrors(fit.answer);
+  return (few ? (samples.of_intervals ? `Points: bounces, as their intervals have them, with the error that ${errors} alone gives them; line and band have the air and the contacts taken out, as far as they are known of a ball without a name.` : `Points: bounces, without what air and contact did to their intervals, with the error that ${errors} alone gives them.`) : 'Colour: number of bounces in each cell, on a logarithmic scale.') +
       (answerCurve(fit).length ? ' Line and band: ε(v), the root mean square of the bounces at each speed, with its 95 % range.' : '') +
       (summary && summary.truth_curve ? ' Dashes: the law that went in, at the point of contact; the most frequent ε follows it.' : '');
 }

@@ -46,12 +46,13 @@ Cause of_speed(const FitResult& result, const PlainAnswer& answer) {
 }
 
 bool has_drag(const FitResult& result) { return result.curve->kappa_per_m.has_value(); }
+bool of_heights(const RestitutionSamples& samples) { return !samples.empty() && samples.front().conditions.of_heights; }
 bool ball_is_named(const RestitutionSamples& samples) {
   return !samples.empty() && samples.front().conditions.ball.has_value();
 }
 
-/// What drag takes from eps as the intervals have it, at the fastest bounce more than at the slowest:
-/// eps kappa v^2 (1 + eps^2) / (4 g), docs/physics.md.
+/// What drag takes from eps as the intervals have it, and as much as heights do, at the fastest bounce more than at the
+/// slowest: eps kappa v^2 (1 + eps^2) / (4 g), docs/physics.md.
 Cause of_air(const FitResult& result, const PlainAnswer& answer, const RestitutionSamples& samples) {
   Cause cause{"air", {}, false, {}};
   const auto& points = result.curve->points;
@@ -73,7 +74,8 @@ Cause of_air(const FitResult& result, const PlainAnswer& answer, const Restituti
   }
   cause.size = by_kappa * kappa_per_m.value;
   cause.is_seen = true;
-  cause.sentence = "the air, which slows fast flights most: the time from bounce to bounce makes ε look " +
+  cause.sentence = std::string("the air, which slows fast flights most: ") +
+                   (of_heights(samples) ? "the heights make" : "the time from bounce to bounce makes") + " ε look " +
                    size_text(*cause.size) + " smaller at " + speed(fast) + " than at " + speed(slow) +
                    " (taken out of the values here).";
   return cause;
@@ -81,7 +83,7 @@ Cause of_air(const FitResult& result, const PlainAnswer& answer, const Restituti
 
 /// The width of the band that holds two thirds of the bounces, at the middle speeds; seen where it is wider than the
 /// errors of the times make it.
-Cause of_roughness(const FitResult& result) {
+Cause of_roughness(const FitResult& result, const RestitutionSamples& samples) {
   Cause cause{"roughness", {}, false, {}};
   const auto& rows = result.budget.rows;
   const BudgetRow* row = rows.empty() ? nullptr : &rows[rows.size() / 2];
@@ -95,11 +97,12 @@ Cause of_roughness(const FitResult& result) {
   cause.size = 2.0 * spread;
   const double timing = std::max(row->spread_timing_stated.value_or(0.0), row->spread_timing_lag1.value_or(0.0));
   cause.is_seen = spread > timing;
+  const std::string errors = std::string("errors of the ") + (of_heights(samples) ? "heights" : "times");
   cause.sentence = cause.is_seen
                        ? "the roughness of ball and floor: each bounce meets another spot, which turns some of "
                          "the motion into spin or back; two thirds of the bounces lie in a band of " +
-                             size_text(*cause.size) + ", wider than errors of the times make it."
-                       : "That ball or floor is rough is not seen: errors of the times explain the scatter.";
+                             size_text(*cause.size) + ", wider than " + errors + " make it."
+                       : "That ball or floor is rough is not seen: " + errors + " explain the scatter.";
   return cause;
 }
 
@@ -107,7 +110,7 @@ Cause of_roughness(const FitResult& result) {
 
 std::vector<Cause> causes_of(const FitResult& result, const PlainAnswer& answer, const RestitutionSamples& samples) {
   if (!answer.at) return {};
-  std::vector<Cause> causes{of_speed(result, answer), of_air(result, answer, samples), of_roughness(result)};
+  std::vector<Cause> causes{of_speed(result, answer), of_air(result, answer, samples), of_roughness(result, samples)};
   std::stable_sort(causes.begin(), causes.end(), [](const Cause& a, const Cause& b) {
     return (a.is_seen ? *a.size : -1.0) > (b.is_seen ? *b.size : -1.0);
   });

@@ -191,7 +191,7 @@ std::string of_step(const RestitutionStep& step, int decimals) {
   return text + ": did it reach another surface?";
 }
 
-std::string of_value(const PlainAnswer& answer, const Curve& curve, bool ball_is_named) {
+std::string of_value(const PlainAnswer& answer, const Curve& curve, const SampleConditions& conditions) {
   const SpeedAndRestitution& at = *answer.at;
   std::string text = "ε = " + with_interval(at.eps) + " at " + speed(at.v_mps);
   if (curve.n_drops == 1) text += ", of this drop";
@@ -210,10 +210,10 @@ std::string of_value(const PlainAnswer& answer, const Curve& curve, bool ball_is
   for (const Estimate& change : curve.end_changes) widest = std::max(widest, change.ci95->hi - change.ci95->lo);
   const std::string range = speed(curve.points.front().x) + " to " + speed(curve.points.back().x);
   if (widest < kShort * (1.0 - at.eps.value)) return text + "; no change with the speed is seen from " + range + ".";
-  return text + (ball_is_named || !curve.kappa_per_m
+  return text + (conditions.ball || !curve.kappa_per_m
                      ? "; whether it changes from " + range + " cannot be told."
-                     : "; whether it changes with the speed or the air does it cannot be told from the times: name the "
-                       "ball (--ball).");
+                     : std::string("; whether it changes with the speed or the air does it cannot be told from the ") +
+                           (conditions.of_heights ? "heights" : "times") + ": name the ball (--ball).");
 }
 
 /// With one decimal where the standard error, 2 eps se, warrants it.
@@ -311,7 +311,8 @@ PlainAnswer plain_answer(const FitResult& result, const RestitutionSamples& samp
         if (is_seen(fastest ? curve.end_changes.back() : curve.end_changes.front()) && !curve.step)
           answer.elsewhere.push_back(at(end.x, eps));
       }
-    answer.sentences.push_back(of_value(answer, curve, !samples.empty() && samples.front().conditions.ball));
+    answer.sentences.push_back(
+        of_value(answer, curve, samples.empty() ? SampleConditions{} : samples.front().conditions));
     if (!samples.empty())
       answer.doubt = largest_part(curve, samples.front().conditions.ball, samples.front().conditions.plate);
     if (curve.step) answer.sentences.push_back(of_step(*curve.step, decimals_for(answer.at->eps)));

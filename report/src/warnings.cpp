@@ -126,8 +126,8 @@ void warn_of_samples(const RestitutionSamples& used, std::vector<std::string>& w
   const double implausible = count([](const auto& s) { return s.v_mps > 20.0 || s.v_mps < 0.005; });
   if (implausible > 0.1 * n)
     warnings.push_back(
-        formatted("%.0f of %.0f speeds are outside 0.005 to 20 m/s: are times in seconds, and gravity in m/s^2?",
-                  implausible, n));
+        formatted("%.0f of %.0f speeds are outside 0.005 to 20 m/s: are %s, and gravity in m/s^2?", implausible, n,
+                  used.front().conditions.of_heights ? "heights in the unit that was said" : "times in seconds"));
 }
 
 void warn_of_unstated_errors(const RestitutionSamples& used, std::vector<std::string>& warnings) {

@@ -100,7 +100,10 @@ TEST(ForeignHeights, ThatTheirTableDoesNotProveAreAsked) {
            {"1, .81, .66\n", kHeights, "in which unit", {"--as heights --unit m"}},
            {"100\n81\n", kHeights, "in which unit", {"--as heights --unit cm", "--as heights --unit mm"}},
            {"a;b\n1;.8\n", {"auto", "auto", "h0=a,h=b"}, "in which unit", {}},
-           {"a;b\n1;.8\n.9;.7\n", kHeights, "which column holds heights?", {}},
+           {"a;b\n1;.8\n.9;.7\n",
+            kHeights,
+            "which column holds heights?",
+            {"--as heights --columns h=a", "--as heights --columns h=b", "--as heights --columns h0=a,h=b"}},
            {"1\n.81\n.66\n", {}, "do not rise", {"--as intervals --unit s", "--as heights --unit m"}}}) {
     SCOPED_TRACE(c.text);
     try {

@@ -128,6 +128,9 @@ void expect_read(const std::string& text, const ForeignOptions& options, const s
 
 /// Text | options | impact times of each drop | words of taken_for; by the numbers of the rule.
 constexpr const char* kRead = R"x(
+1: as people type | 0,4, 1,0, 1,51\n | --as times | 0.4 1 1.51 | times in s (a row, ';' between, decimal comma): 3 impacts in 1 drop
+1: commas at the ends | 0.4,\n1,\n1.51\n | --as times | 0.4 1 1.51 | (a row, ',' between)
+1: a row that goes on | 0,4, 1,0,\n1,51\n | --as times | 0.4 1 1.51 | decimal comma
 1: tabs | n\tTime (s)\n1\t0.4\n2\t1\n3\t1.51\n4\t1.9435\n |  | 0.4 1 1.51 1.9435 | times in s (column 'Time (s)', tabs between)
 1: semicolons | n;Time (s)\n1;0,4\n2;1\n3;1,51\n4;1,9435\n |  | 0.4 1 1.51 1.9435 | ';' between, decimal comma
 1: commas | n,Time (s)\n1,0.4\n2,1\n3,1.51\n4,1.9435\n |  | 0.4 1 1.51 1.9435 | ',' between
@@ -279,6 +282,9 @@ another separator | Time (s)\n0.4;1\n |  | has 2 titles, and the rows have fewer
 a cell below no title | Time (s),,\n0.4,,\n1,51,,\n |  | line 3 has 2 cells, and the titles are 1
 more cells than titles | n,Time (s)\n1,0,4\n2,1,0\n |  | line 2 has 3 cells, and the titles are 2
 no format | 1 0.4\n2 1.0\n3\n |  | line 1: 1 0.4: not every line has the same number of cells
+units beside numbers | 0.4 s, 1, 1.51\n | --as times | line 1: '0.4 s': write the numbers alone
+units below each other | 1 m\n.81 m\n | --as heights --unit m | line 2: '.81 m': write the numbers alone
+one height | 1\n | --as heights --unit m | one height; two are needed
 numbers for titles | drop;1;2\n0.4;0.5;0.6\n |  | not every line has the same number of cells, all of them numbers
 a gap | n;Time (s)\n0;0.4\n1;1\n2;\n3;1.51\n |  | line 4, column 'Time (s)': the cell is empty
 a gap after a blank line | Time (s)\n0.4\n1\n\n""\n1.51\n""\n1.9\n |  | line 7, column 'Time (s)': the cell is empty

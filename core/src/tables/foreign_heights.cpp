@@ -60,23 +60,25 @@ std::optional<Pairs> pairs_of(const ForeignTable& table, const ForeignOptions& o
 }
 
 TakenTable table_of_heights(std::vector<std::int64_t> drop, std::vector<double> h_m, double rounding_m,
-                            const std::string& words) {
+                            const std::string& words, const std::string& name) {
   TakenTable taken;
   const std::int64_t n_drops = drop.back() + 1;
   const std::size_t n_bounces = h_m.size() - static_cast<std::size_t>(n_drops);
+  if (n_bounces == 0) throw FileError(name, "one height; two are needed, of the release and of the first bounce");
   std::vector<double> t_s;
   for (std::size_t k = 0; k < h_m.size(); ++k)
     t_s.push_back(k == 0 || drop[k] != drop[k - 1] ? 0.0 : t_s.back() + std::sqrt(8.0 * h_m[k] / kDefaultGravity_mps2));
   const int decimals = decimals_of({rounding_m}, 1.0);
   taken.table.columns = {Column{"drop", std::move(drop)}, Column{"t_s", std::move(t_s)},
                          Column{"fall_m", std::move(h_m), decimals}};
-  taken.taken_for = "heights" + words + ": " + std::to_string(n_bounces) + " bounces in " + std::to_string(n_drops) +
+  taken.taken_for = "heights" + words + ": " + std::to_string(n_bounces) +
+                    (n_bounces == 1 ? " bounce in " : " bounces in ") + std::to_string(n_drops) +
                     (n_drops == 1 ? " drop" : " drops");
   return taken;
 }
 
 /// Each row is a drop of one bounce.
-TakenTable table_of_pairs(Pairs pairs) {
+TakenTable table_of_pairs(Pairs pairs, const std::string& name) {
   std::vector<std::int64_t> drop;
   std::vector<double> h_m, sigma;
   double rounding_m = HUGE_VAL;
@@ -85,7 +87,7 @@ TakenTable table_of_pairs(Pairs pairs) {
     h_m.insert(h_m.end(), {pairs.before[k], pairs.after[k]});
     rounding_m = std::min({rounding_m, pairs.before_rounding[k], pairs.after_rounding[k]});
   }
-  return table_of_heights(std::move(drop), std::move(h_m), rounding_m, " before and after (" + pairs.words + ")");
+  return table_of_heights(std::move(drop), std::move(h_m), rounding_m, " before and after (" + pairs.words + ")", name);
 }
 
 /// 0, 1, 2 or 1, 2, 3 from row to row, in each drop anew perhaps: a number of the bounce or of the drop.
@@ -143,7 +145,7 @@ TakenTable heights_of(const ForeignTable& table, const ForeignOptions& options, 
             ": the ball rose higher than before; a new drop? Write a blank line above it, or a column drop",
         {});
   const std::string how = source_in_words(table, sequence);
-  return table_of_heights(std::move(drop), std::move(h_m), rounding_m, how.empty() ? "" : " (" + how + ")");
+  return table_of_heights(std::move(drop), std::move(h_m), rounding_m, how.empty() ? "" : " (" + how + ")", name);
 }
 
 }  // namespace
@@ -152,7 +154,7 @@ std::optional<TakenTable> heights_from_foreign(const ForeignTable& table, const 
                                                const ForeignOptions& options) {
   const auto of = [&](const char* as) { return options.as == as; };
   if (of("times") || of("intervals") || told_column(table, options, "t", name)) return std::nullopt;
-  if (auto pairs = pairs_of(table, options, "h0", "h", name)) return table_of_pairs(*std::move(pairs));
+  if (auto pairs = pairs_of(table, options, "h0", "h", name)) return table_of_pairs(*std::move(pairs), name);
   if (const auto column = told_column(table, options, "h", name)) return heights_of(table, options, column, name);
   std::vector<std::size_t> measured, lengths;
   for (std::size_t k = 0; k < table.n_columns(); ++k) {
@@ -187,9 +189,18 @@ std::optional<TakenTable> heights_from_foreign(const ForeignTable& table, const 
   if (lengths.size() > 1 && is_row && lengths.size() == measured.size())
     ask(table, name, "has heights in a row: of one ball, from its release on?",
         {{"they are", told("heights", options.unit, {})}});
-  if (of("heights"))
-    ask(table, name, "which column holds heights? --columns h=COLUMN, or h0=COLUMN,h=COLUMN before and after a bounce",
-        {});
+  if (of("heights")) {
+    std::vector<Reading> readings;
+    for (std::size_t k = 0; k < table.n_columns(); ++k)
+      if (table.number(table.rows.front(), k) && !counts(table, k))
+        readings.push_back({"one after the other, " + column_name(table, k),
+                            told("heights", options.unit, column_option(table, "h", k))});
+    if (readings.size() == 2 && table.n_columns() == 2)
+      readings.push_back(
+          {"before and after a bounce, " + column_name(table, 0) + " and " + column_name(table, 1),
+           told("heights", options.unit, column_option(table, "h0", 0) + "," + column_option(table, "h", 1))});
+    ask(table, name, "which column holds heights?", std::move(readings));
+  }
   return std::nullopt;
 }
 

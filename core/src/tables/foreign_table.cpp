@@ -3,6 +3,7 @@
 #include "bouncelab/core/foreign_table.hpp"
 
 #include <algorithm>
+#include <regex>
 #include <utility>
 
 #include "bouncelab/core/text.hpp"
@@ -47,6 +48,48 @@ std::vector<Line> lines_of(std::string_view text) {
   return lines;
 }
 
+/// Says so where a number has its unit beside it, "1 m".
+[[noreturn]] void refuse_cells(std::span<const Line> rows, const std::string& name, const std::string& why) {
+  constexpr std::size_t kSearched = 200;
+  static const std::regex kForm(R"((?:^|[\s,;])([\d.,]*\d ?(?:min|sec|ms|us|s|mm|cm|m|in|ft))(?=$|[\s,;]))");
+  std::smatch found;
+  for (const Line& row : rows)
+    if (const std::string text(row.text.substr(0, kSearched)); std::regex_search(text, found, kForm))
+      throw FileError(name, "line " + std::to_string(row.number) + ": '" + found[1].str() +
+                                "': write the numbers alone and choose their unit (--unit), or name it in a line of "
+                                "titles above, such as Time (s) or h (m)");
+  throw FileError(name,
+                  "line " + std::to_string(rows.front().number) + ": " + printable(rows.front().text, 60) + ": " + why);
+}
+
+/// What people type, as one row: lines that end with a comma go on in the next; "1, 0,81, 0,66" has decimal commas, and
+/// a comma with a blank behind it stands between numbers. Empty: the lines are rows.
+std::string as_typed(std::span<const Line> rows) {
+  std::string text;
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    const std::string_view row = rows[k].text.substr(0, rows[k].text.find_last_not_of(" \t\r") + 1);
+    const bool goes_on = row.ends_with(',') || row.ends_with(';');
+    if ((k > 0 && rows[k].follows_blank) || goes_on != (k + 1 < rows.size())) return {};
+    (text += row) += k + 1 < rows.size() ? " " : "";
+  }
+  if (rows.size() > 1 && cells_of(rows.back().text, ',').size() >= cells_of(rows.front().text, ',').size() &&
+      cells_of(rows.back().text, ';').size() >= cells_of(rows.front().text, ';').size())
+    return {};  // the last column has empty cells
+  std::vector<std::string_view> cells = cells_of(text, ' ');
+  std::size_t n_commas = 0;
+  for (std::size_t k = 0; k < cells.size(); ++k) {
+    if (cells[k].ends_with(',') == (k + 1 == cells.size())) return text;
+    if (cells[k].ends_with(',')) cells[k].remove_suffix(1);
+    const bool has_comma = cells[k].find(',') != std::string_view::npos;
+    if (!number_of(cells[k], ',') || (k > 0 && !has_comma)) return text;
+    n_commas += has_comma ? 1 : 0;
+  }
+  if (n_commas < 2) return text;
+  std::string with_semicolons;
+  for (const std::string_view cell : cells) (with_semicolons += with_semicolons.empty() ? "" : "; ") += cell;
+  return with_semicolons;
+}
+
 /// A decimal comma where a cell is no number without one.
 char decimal_of(std::span<const Line> rows, char separator) {
   for (const Line& row : rows)
@@ -82,9 +125,9 @@ CellFormat format_without_titles(std::span<const Line> rows, const std::string& 
     if (holds && (n_cells > 1 || separator == kOneCell)) formats.push_back({n_cells, {separator, decimal}});
   }
   if (formats.empty())
-    throw FileError(name, "line " + std::to_string(rows.front().number) + ": " + printable(rows.front().text, 60) +
-                              ": not every line has the same number of cells, all of them numbers; write a line of "
-                              "titles above, such as Time (s)");
+    refuse_cells(rows, name,
+                 "not every line has the same number of cells, all of them numbers; write a line of titles above, such "
+                 "as Time (s)");
   if (formats.size() == 1) return formats.front().second;
   if (!options.columns.empty()) return formats.back().second;
   if (options.as != "auto" && formats.front().first == 1) return formats.front().second;
@@ -102,27 +145,27 @@ CellFormat format_without_titles(std::span<const Line> rows, const std::string& 
 }  // namespace
 
 ForeignTable read_foreign_table(std::string_view text, const std::string& name, const ForeignOptions& options) {
-  const std::vector<Line> lines = lines_of(text);
+  std::vector<Line> lines = lines_of(text);
   if (lines.empty()) throw FileError(name, "is empty; a table of times or intervals, or marks are needed");
   const auto first =
       std::find_if(lines.begin(), lines.end(), [](const Line& line) { return holds_a_number(line.text); });
-  if (first == lines.end()) {
-    const Line& below = lines[std::min<std::size_t>(1, lines.size() - 1)];  // where numbers are looked for
-    throw FileError(name,
-                    "line " + std::to_string(below.number) + ": " + printable(below.text, 60) +
-                        ": no line holds numbers by themselves; a unit belongs into the title above them, Time (s)");
-  }
-  const std::span<const Line> rows = std::span(lines).subspan(static_cast<std::size_t>(first - lines.begin()));
+  if (first == lines.end())  // below the titles numbers are looked for
+    refuse_cells(std::span(lines).subspan(lines.size() > 1 ? 1 : 0), name,
+                 "no line holds numbers by themselves; a unit belongs into the title above them, Time (s)");
+  const auto n_above = static_cast<std::size_t>(first - lines.begin());
+  const std::string typed = n_above == 0 ? as_typed(lines) : "";
+  if (!typed.empty()) lines = {{first->number, false, typed}};
+  const std::span<const Line> rows = std::span(lines).subspan(n_above);
   ForeignTable table;
   const auto cells_in = [&](std::string_view line) {
     const std::vector<std::string_view> cells = cells_of(line, table.format.separator);
     return std::vector<std::string>(cells.begin(), cells.end());
   };
-  if (first == lines.begin()) {
+  if (n_above == 0) {
     table.format = format_without_titles(rows, name, options);
   } else {
-    table.format = format_below(std::prev(first)->text, rows);
-    table.titles = cells_in(std::prev(first)->text);
+    table.format = format_below(lines[n_above - 1].text, rows);
+    table.titles = cells_in(lines[n_above - 1].text);
     // what stands below no title may be the digits behind a comma: "1,51" under "Time (s),,"
     while (table.titles.size() > 1 && table.titles.back().empty()) table.titles.pop_back();
   }

@@ -3,10 +3,10 @@
 
 const kFiles = [
   {name: 'report.html', label: 'Report', type: 'text/html'},
-  {name: 'onsets.csv', label: 'Times of the bounces (CSV)', type: 'text/csv'},
+  {name: 'onsets.csv', label: 'Times of the bounces (CSV)', type: 'text/csv', ofTimes: true},
   {name: 'samples.csv', label: 'Speeds and ε (CSV)', type: 'text/csv'},
   {name: 'fit.json', label: 'Fit (JSON)', type: 'application/json'},
-  {name: 'labels.txt', label: 'Audacity labels', type: 'text/plain'},
+  {name: 'labels.txt', label: 'Audacity labels', type: 'text/plain', ofTimes: true},
 ];
 
 export function save(name, parts, type) {
@@ -20,14 +20,15 @@ export function save(name, parts, type) {
 
 /// @param stem  what the files' names begin with
 /// @param found  whether there is a result
+/// @param hasTimes  whether times were measured
 /// @param wav    function that gives {bytes} of the sound as a WAV file where it is not a file already, else null
-export function showDownloads(host, engine, stem, found, wav, trouble) {
+export function showDownloads(host, engine, stem, found, hasTimes, wav, trouble) {
   const button = (name, label, action) => {
     const b = element('button', {type: 'button', 'data-file': name}, label);
     b.addEventListener('click', () => action().catch(trouble));
     return b;
   };
-  const buttons = (found ? kFiles : []).map(f => button(f.name, f.label, async () => save(`${stem}-${f.name}`, [(await engine.run({task: 'save', name: f.name})).text], f.type)));
+  const buttons = (found ? kFiles : []).filter(f => hasTimes || !f.ofTimes).map(f => button(f.name, f.label, async () => save(`${stem}-${f.name}`, [(await engine.run({task: 'save', name: f.name})).text], f.type)));
   if (wav) buttons.push(button('sound.wav', 'Sound (WAV)', async () => save(`${stem}.wav`, [(await wav()).bytes], 'audio/wav')));
   host.replaceChildren(...buttons);
   host.parentElement.hidden = !buttons.length;

@@ -11,8 +11,9 @@ const kMostSeconds = 1800;
 /// Rates that every browser's decoder has to take (Web Audio 1.1, 1.7); where the header does not say, 48 kHz.
 const allowedRate = rate => rate >= 8000 && rate <= 96000;
 
+/// @param isTable  it is not sound
 /// @returns {bytes} for our own reader, with `refused`, what to say if that cannot read them either, or {channels: [Float32Array], rate_hz, format, lossy: the coding, note}
-export async function readFile(file) {
+export async function readFile(file, isTable) {
   if (file.size > kMostBytes)
     throw new Trouble(`${file.name} has ${Math.round(file.size / 1e6)} MB; this page takes up to ${kMostBytes / 1e6} MB: please cut out the part with the bounces.`);
   if (file.size === 0) throw new Trouble(`${file.name} is empty.`);
@@ -22,6 +23,7 @@ export async function readFile(file) {
   } catch {
     throw new Trouble(`${file.name} cannot be read; is it a folder, or was it moved?`);
   }
+  if (isTable) return {bytes, isTable};
   return isOurs(bytes) ? {bytes} : decoded(bytes, file.name);
 }
 

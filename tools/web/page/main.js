@@ -8,6 +8,7 @@ import {SoundSection} from './sound_section.js';
 import {Trouble, checkBrowser, say, sayTrouble, working} from './trouble.js';
 import {drawDistributions, drawLaw, showAnswer} from './result.js';
 import {showDownloads} from './downloads.js';
+import {acceptNumbers} from './numbers.js';
 import {hideQuestion, showQuestion} from './question.js';
 import {scatterOptions, showClosedLoop, showScatter, simulateOptions, trueCurve} from './simulate.js';
 
@@ -51,7 +52,7 @@ async function show(result) {
   await breath();
   drawDistributions(result);
   if (open.simulated) showClosedLoop(open.simulated, section.marks.list);
-  showDownloads($('downloads'), engine, open.stem, !result.failed, open.wav, sayTrouble);
+  showDownloads($('downloads'), engine, open.stem, !result.failed, result.answer?.seen.n_impacts !== null, open.wav, sayTrouble);
 }
 
 async function analyze(stays) {
@@ -118,7 +119,7 @@ async function refit(marks) {
 async function openSound(summary, more, stays) {
   stays();
   if (summary.times) {
-    open = {stem: summary.name.replace(/\.[^.]*$/, '') || 'times', times: true};
+    open = {stem: summary.name.replace(/\.[^.]*$/, '') || 'times', times: true, reading: more.reading};
     return showTimes(stays);
   }
   const {name, rate_hz, duration_s, format, peak} = summary;
@@ -138,21 +139,22 @@ function clear() {
   open = null;
 }
 
-function takeFile(file) {
+/// @param reading  options that tell how a table is read; absent: is it one?
+function takeFile(file, reading) {
   return work(async stays => {
     clear();
     say(`Reading ${file.name} …`);
-    const {bytes, channels, note, refused, ...rest} = await readFile(file);
+    const {bytes, channels, note, refused, ...rest} = await readFile(file, Boolean(reading));
     await engine.ready;
     stays();
     const transfer = bytes ? [bytes.buffer] : channels.map(c => c.buffer);
     const opened = engine.run({task: 'open', name: file.name, bytes, channels, ...rest}, transfer);
-    await openSound(await (refused ? opened.catch(() => { throw new Trouble(refused); }) : opened), {note}, stays);
+    await openSound(await (refused ? opened.catch(() => { throw new Trouble(refused); }) : opened), {note, reading}, stays);
   }, true);
 }
 
 /// Several files: the first at once, the others by their names.
-function takeFiles(files) {
+function takeFiles(files, reading) {
   if (!files.length) return;
   const list = $('recordings');
   list.hidden = files.length < 2;
@@ -166,7 +168,7 @@ function takeFiles(files) {
   }));
   microphone.close();
   panel(null);
-  takeFile(files[0]);
+  takeFile(files[0], reading);
 }
 
 function panel(name) {
@@ -222,6 +224,7 @@ function start() {
   microphone = new Microphone(engine, settings, clear, recorded);
   microphone.onTrouble = sayTrouble;
   acceptFiles($('way-file'), $('file'), takeFiles);
+  acceptNumbers(takeFiles);
   $('way-microphone').addEventListener('click', () => { panel('microphone'); if ($('microphone').hidden) microphone.close(); });
   $('way-simulate').addEventListener('click', () => { panel('simulate'); microphone.close(); });
   $('simulate-run').addEventListener('click', simulate);
@@ -232,5 +235,5 @@ try {
   start();
 } catch (error) {
   sayTrouble(error);
-  for (const way of ['file', 'microphone', 'simulate']) $(`way-${way}`).disabled = true;
+  for (const id of ['way-file', 'way-microphone', 'way-simulate', 'numbers-run']) $(id).disabled = true;
 }

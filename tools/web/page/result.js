@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What was found: the answer in sentences, ε(v), distributions, notes. (explanations, answerCurve, causesBox, number, element: report's answer.js, text.js)
+// What was found: the answer in sentences, ε(v), distributions, notes. (explanations, sourceOfErrors, answerCurve, causesBox, number, element: report's answer.js, text.js)
 import {drawPicture, paddedRange} from './picture.js';
+import {plain} from './trouble.js';
 
 const $ = id => document.getElementById(id);
 
 export function showAnswer(result) {
-  // what the command line calls an option is a field here
-  const plain = w => w.replace(/\s*\((--[a-z-]+(, )?)+\)/g, '').replace(/\+-/g, '±').replace(/\beps\b/g, 'ε');
   const [lead, ...rest] = result.answer?.sentences ?? [result.message || 'No bouncing ball was found in this sound.'];
-  $('answer').replaceChildren(element('p', {class: 'lead'}, lead), ...[...rest, ...(result.answer?.doubt ? [plain(result.answer.doubt)] : [])].map(s => element('p', {}, s)),
+  $('answer').replaceChildren(element('p', {class: 'lead'}, plain(lead)), ...[...rest, ...(result.answer?.doubt ? [result.answer.doubt] : [])].map(s => element('p', {}, plain(s))),
                               ...(result.answer && explanations(result.answer) ? [element('p', {class: 'caption'}, explanations(result.answer))] : []));
   const causes = result.fitted?.causes ?? [];
   $('why').replaceChildren(...(causes.length ? [causesBox(causes)] : []));
@@ -36,7 +35,7 @@ export function drawLaw(result, truth) {
   if (hasBand) layers.push({kind: 'band', x: curve.map(p => p.v_mps), lo: curve.map(p => p.lo95), hi: curve.map(p => p.hi95)});
   if (curve.length) layers.push({kind: 'curve', x: curve.map(p => p.v_mps), y: curve.map(p => p.eps)});
   if (truth) layers.push({kind: 'truth', x: truth.v, y: truth.eps});
-  $('law-caption').textContent = (v.length ? 'Points: bounces, with the error that timing alone gives them. ' : 'No bounce has an interval on either side. ') +
+  $('law-caption').textContent = (v.length ? `Points: bounces, with the error that ${sourceOfErrors(result.answer)} alone gives them. ` : 'No bounce has an interval on either side. ') +
       (curve.length ? `Line${hasBand ? ' and band' : ''}: ε(v), the root mean square of the bounces at each speed${hasBand ? ', with its 95 % range' : ''}. ` : '') + (truth ? 'Dashes: the ε(v) that was simulated. ' : '') +
       (outside ? `${outside} ${outside === 1 ? 'bounce lies' : 'bounces lie'} outside the picture.` : '');
   if (!v.length && !curve.length) return $('law-plot').replaceChildren();

@@ -4,20 +4,23 @@
 /// A sentence for people.
 export class Trouble extends Error {}
 
-const status = document.getElementById('status'), busy = document.getElementById('busy');
+const $ = id => document.getElementById(id);
+
+/// What the command line calls an option is a field here.
+export const plain = text => text.replace(/\s*\((--[a-z-]+(, )?)+\)/g, '').replace(/\+-/g, '±').replace(/\beps\b/g, 'ε');
 
 export function say(text) {
-  status.className = '';
-  status.textContent = text;
+  $('status').className = '';
+  $('status').textContent = text;
 }
 export function sayTrouble(error) {
   working(false);
-  status.className = 'trouble';
-  status.textContent = error instanceof Trouble ? error.message : `Something went wrong in the page itself: ${error?.message ?? error}`;
+  $('status').className = 'trouble';
+  $('status').textContent = error instanceof Trouble ? plain(error.message) : `Something went wrong in the page itself: ${error?.message ?? error}`;
   if (!(error instanceof Trouble)) console.error(error);
-  status.scrollIntoView({block: 'nearest'});
+  $('status').scrollIntoView({block: 'nearest'});
 }
-export function working(is) { busy.hidden = !is; }
+export function working(is) { $('busy').hidden = !is; }
 
 /// Modules of WebAssembly that are valid only with 128-bit SIMD and with exceptions.
 const kSimd = [0, 97, 115, 109, 1, 0, 0, 0, 1, 5, 1, 96, 0, 1, 123, 3, 2, 1, 0, 10, 10, 1, 8, 0, 65, 0, 253, 15, 253, 98, 11];

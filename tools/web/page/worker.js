@@ -51,9 +51,9 @@ const tasks = {
     setTimeout(warmUp, 200);  // once the page has been drawn
     return {version: module.version(), ...JSON.parse(module.balls())};
   },
-  open({name, bytes, channels, rate_hz, format, lossy}) {
+  open({name, bytes, isTable, channels, rate_hz, format, lossy}) {
     sound = times = null;
-    if (bytes && module.holdsTimes(bytes)) {
+    if (isTable || (bytes && module.holdsTimes(bytes))) {
       times = {name, bytes};
       return {name, times: true};
     }

@@ -5,7 +5,7 @@ import {after, before, describe, test} from 'node:test';
 import {readFileSync, readdirSync, writeFileSync} from 'node:fs';
 import {join} from 'node:path';
 import {gzipSync} from 'node:zlib';
-import {analyzed, clean, countOf, fromClean, launch, missing, openPage, ready, refitted, root, serve, site, truth, work} from './harness.js';
+import {analyzed, answered, clean, countOf, fromClean, launch, missing, openPage, ready, refitted, root, serve, site, truth, work} from './harness.js';
 
 const axe = join(root, 'tools/web/node_modules/axe-core/axe.min.js');
 
@@ -42,6 +42,12 @@ describe('the site', {skip: missing ?? false}, () => {
         assert.deepEqual(found, [], state);
       };
       await check('begin');
+      await page.click('#typed summary');
+      await check('numbers');
+      await page.type('#numbers', '1, .81, .66, .53');
+      await answered(page, () => page.click('#numbers-run'));
+      await check('heights');
+      await page.click('#typed summary');
       const fold = await page.$('#settings summary');
       await fold.click();
       await page.click('#way-microphone');

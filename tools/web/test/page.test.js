@@ -114,6 +114,37 @@ describe('the page', {skip: missing ?? false}, () => {
     await choose(page, clean);
   });
 
+  test('heights typed from paper give the answer; a unit beside a number is named', async () => {
+    const type = async (text, as, unit) => {
+      await page.$eval('#numbers', node => { node.value = ''; });
+      await page.type('#numbers', text);
+      await page.select('#numbers-as', as);
+      await page.select('#numbers-unit', unit);
+      await page.focus('#numbers-run');
+      return answered(page, () => page.keyboard.press('Enter'));
+    };
+    await page.click('#typed summary');
+    assert.match(await answered(page, () => page.click('#numbers-run')), /^No number is typed yet/);
+    assert.match(await type('1 m, .81, .66, .53', 'heights', 'm'), /^numbers: line 1: '1 m': write the numbers alone and choose their unit, or name it in/);
+    assert.ok(await page.$eval('#result', node => node.hidden), 'no answer of the sound before');
+    const leads = [];
+    for (const [text, unit] of [['1, .81, .66, .53', 'm'], ['1\n.81\n.66\n.53', 'm'], ['1,\n.81,\n.66,\n.53', 'm'], ['1, 0,81, 0,66, 0,53', 'm'], ['100 81 66 53', 'cm']]) {
+      assert.match(await type(text, 'heights', unit), /^Read as heights.*: 3 bounces in 1 drop/, text);
+      leads.push(await page.$eval('#answer .lead', node => node.textContent));
+    }
+    const eps = Number(/^ε = (0\.\d+)/.exec(leads[0])[1]);
+    assert.ok(eps > 0.88 && eps < 0.92, leads[0]);
+    assert.equal(new Set(leads).size, 1, leads.join('\n'));
+    assert.ok(!/\(--|times/.test(leads[0]), leads[0]);
+    assert.match(await page.$eval('#answer', node => node.textContent), /18 % of the energy/);
+    assert.ok(!/timing|From \d+ impacts/.test(await page.$eval('#result', node => node.innerText)), 'no times were measured');
+    assert.deepEqual(await page.$$eval('#downloads button', list => list.map(b => b.dataset.file)), ['report.html', 'samples.csv', 'fit.json']);
+    assert.ok(await page.$eval('#sound-section', node => node.hidden));
+    assert.match(await type('0.62 0.56 0.50 0.45', 'intervals', 's'), /^Read as intervals in s \(a row, blanks between\): 5 impacts in 1 drop/);
+    await page.click('#typed summary');
+    await choose(page, clean);
+  });
+
   test('marks are selected, moved, added, deleted, restored, and each change is fitted', async () => {
     const says = () => page.$eval('#mark-says', node => node.textContent), answer = () => page.$eval('#answer', node => node.textContent);
     const original = await answer(), n = truth.length;
@@ -263,7 +294,7 @@ describe('the page', {skip: missing ?? false}, () => {
     writeFileSync(huge, '');
     truncateSync(huge, 2e9);  // takes no room
     const zeros = (name, seconds, ...options) => made(name, '-f', 'lavfi', '-i', 'anullsrc=r=48000:cl=mono', '-t', String(seconds), ...options);
-    const cases = [[text, /text\.wav: line 1: this is no sound: no line holds numbers; a table of times or intervals, or marks are needed/], [wrong, /^wrong\.wav: not readable as sound \(.*\); choose another file, or record again$/], [nothing, /nothing\.m4a is empty\./], [huge, /huge\.wav has 2000 MB/],
+    const cases = [[text, /text\.wav: line 1: this is no sound: no line holds numbers a table of times or intervals, or marks are needed/], [wrong, /^wrong\.wav: not readable as sound \(.*\); choose another file, or record again$/], [nothing, /nothing\.m4a is empty\./], [huge, /huge\.wav has 2000 MB/],
                    [made('silent.mp4', '-f', 'lavfi', '-i', 'testsrc=duration=1:size=64x64:rate=5'), /silent\.mp4 is a video without sound\./],
                    [made('silent.webm', '-f', 'lavfi', '-i', 'testsrc=duration=1:size=64x64:rate=5'), /silent\.webm is a video without sound\./],
                    [zeros('zeros.wav', 2), /zeros\.wav is silent/], [zeros('zeros.m4a', 2, '-c:a', 'aac'), /zeros\.m4a is silent/],
