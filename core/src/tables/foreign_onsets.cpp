@@ -43,6 +43,7 @@ bool are_of_a_ball(double interval_s) {
 
 /// Do the numbers rise from row to row, or in each drop again, for three impacts or more?
 bool rise(const Sequence& sequence) {
+  if (sequence.values.empty()) return false;
   constexpr std::size_t kLeast = 3;
   std::size_t n = 1;
   for (std::size_t k = 1; k < sequence.values.size(); ++k) {

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "bouncelab/core/error.hpp"
+#include "bouncelab/core/onsets.hpp"
 #include "bouncelab/core/text.hpp"
 
 namespace bouncelab {
@@ -25,7 +26,7 @@ std::optional<TitleUnit> unit_of(const ForeignTable& table, std::size_t column) 
       least = std::min(least, number->value), most = std::max(most, number->value);
     }
   if (n > 0 && n_clocks == n) return TitleUnit{Dimension::time, 1.0, kClock, {}};
-  if (const auto titled = unit_of_title(title_of(table, column))) return titled;
+  if (auto titled = unit_of_title(title_of(table, column))) return titled;
   for (const auto& [unit_s, words] : kSince1970)
     if (n > 0 && unit_s * least > kFrom_s && unit_s * most < kTo_s)
       return TitleUnit{Dimension::time, unit_s, words, {}};

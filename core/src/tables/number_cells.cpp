@@ -179,7 +179,7 @@ std::optional<TitleUnit> unit_of_title(std::string_view title) {
   constexpr std::array<std::string_view, 16> kQuantities{
       "t", "T", "dt", "\xCE\x94t", "\xE2\x88\x86t", "time", "Time", "interval",
       "h", "H", "h0", "height",    "Height",        "v",    "V",    "speed"};
-  const std::size_t at = title.find_first_of("/") != std::string_view::npos ? title.find('/') : title.rfind('_');
+  const std::size_t at = title.find('/') != std::string_view::npos ? title.find('/') : title.rfind('_');
   if (at == std::string_view::npos) return std::nullopt;
   const std::string_view quantity = trimmed(title.substr(0, at), kBlanks),
                          unit = trimmed(title.substr(at + 1), kBlanks);
