@@ -15,16 +15,12 @@
 namespace bouncelab::fit {
 namespace {
 
-LawFitConfig alternative(const LawFitConfig& main, LawKind kind, LawMethod method, const LawFit& fitted) {
-  LawFitConfig config = main;
-  config.kind = kind;
-  config.method = method;
+/// The law of one constant.
+LawFitConfig viscoelastic(LawFitConfig config, const LawFit& fitted) {
+  config.kind = LawKind::viscoelastic;
   config.n_goodness = config.n_bootstrap = 0;
-  config.compare_laws = false;
-  // shown for comparison only
-  if (method != main.method) config.intervals = IntervalMethod::covariance;
-  for (const NodeEstimate& node : fitted.nodes)
-    if (main.node_speeds_mps.empty()) config.node_speeds_mps.push_back(node.v_mps);
+  config.node_speeds_mps.clear();
+  for (const NodeEstimate& node : fitted.nodes) config.node_speeds_mps.push_back(node.v_mps);
   return config;
 }
 
@@ -82,15 +78,6 @@ void widen_law(Fit& law, const LawModel& model, const Eigen::VectorXd& q, const 
     for (std::size_t j = 0; j < law.covariance.size(); ++j)
       law.correlation[i][j] =
           i == j ? 1.0 : law.covariance[i][j] / std::sqrt(law.covariance[i][i] * law.covariance[j][j]);
-  for (CurvePoint& point : law.curve) {
-    Estimate e;
-    e.value = point.y;
-    e.se = point.se;
-    e.ci95 = point.band95;
-    widen(e, std::sqrt(variance_at(point.x)));
-    point.se = e.se;
-    point.band95 = e.ci95;
-  }
 }
 
 /// Values q of a law that was fitted.
@@ -109,8 +96,7 @@ void look_beside(const SmoothCurve& curve, LawFit& law, const LawFitConfig& conf
   if (!law.law || law.parameters.empty()) return;
   const LawModel model = make_law_model(law.kind, config.orders, speeds_mps);
   const Eigen::VectorXd q = values_of(model, law);
-  const LawBeside beside =
-      curve.beside(model, q, law.method == LawMethod::asymmetric_laplace ? law.scatter : std::nullopt);
+  const LawBeside beside = curve.beside(model, q, law.scatter);
   law.misfit = beside.misfit;
   const Eigen::MatrixXd covariance = congruence(beside.by_deviation.transpose(), curve.deviation_covariance());
   widen_law(law, model, q, covariance);
@@ -118,18 +104,19 @@ void look_beside(const SmoothCurve& curve, LawFit& law, const LawFitConfig& conf
 }
 
 /// What is stated as the law's constants.
-Constants constants_of(const FitResult& result) {
+Constants constants_of(const FitResult& result, const LawFit& viscoelastic) {
   const LawFit& law = result.law;
-  Constants constants{law.status, law.message, false, law.parameters, law.covariance, law.correlation};
+  Constants constants{law.status, law.message, false, law.parameters, law.covariance, {}};
   if (memory_holds(result)) {
     const MemoryFit& memory = *result.memory;
     constants.with_memory = true;
     constants.parameters = memory.parameters;
     constants.covariance = memory.covariance;
-    constants.correlation = memory.correlation;
     constants.message = not_identified_in_words(memory.parameters, memory.n);
     constants.status = constants.message.empty() ? FitStatus::ok : FitStatus::not_identifiable;
   }
+  if (viscoelastic.misfit && viscoelastic.misfit->ln_bayes_factor <= kStrongBayesFactor)
+    constants.gamma = viscoelastic.parameters.front().estimate;
   if (law.misfit && law.misfit->ln_bayes_factor > kStrongBayesFactor) {
     constants.status = FitStatus::not_applicable;
     constants.message = formatted(
@@ -139,31 +126,28 @@ Constants constants_of(const FitResult& result) {
         law.misfit->ln_bayes_factor);
     constants.parameters.clear();
     constants.covariance.clear();
-    constants.correlation.clear();
   }
   return constants;
 }
 
 /// The curve's mean less what the density of the scatter has between mean and peak.
-std::vector<NodeEstimate> peaks_of(const Curve& curve, const LawFit& law) {
-  std::vector<NodeEstimate> peaks;
-  if (!law.scatter || law.method != LawMethod::asymmetric_laplace) return peaks;
-  for (NodeEstimate node : curve.mean) {
+void add_peaks(Curve& curve, const LawFit& law) {
+  if (!law.scatter) return;
+  for (CurveNode& node : curve.nodes) {
+    Estimate& peak = node.peak.emplace(node.mean);
     const double shift = -law.scatter->mean_minus_peak(node.v_mps);
-    node.eps.value += shift;
-    for (std::optional<Interval>* interval : {&node.eps.ci68, &node.eps.ci95})
+    peak.value += shift;
+    for (std::optional<Interval>* interval : {&peak.ci68, &peak.ci95})
       if (*interval) (*interval)->lo += shift, (*interval)->hi += shift;
     // each side is known as the mean of half of the samples
     const double below = law.scatter->below(node.v_mps), above = law.scatter->above(node.v_mps);
-    widen(node.eps, hypot(below, above) / std::sqrt(0.5 * static_cast<double>(law.n)));
-    peaks.push_back(node);
+    widen(peak, hypot(below, above) / std::sqrt(0.5 * static_cast<double>(law.n)));
   }
-  return peaks;
 }
 
 FitResult fit_on_these_threads(const RestitutionSamples& samples, const FitConfig& config,
                                const ProgressCallback& progress) {
-  const double n_steps = config.memory == UseMemory::never ? 6.0 : 7.0;
+  const double n_steps = config.memory == UseMemory::never ? 4.0 : 5.0;
   double n_done = 0.0;
   const auto step = [&] {
     if (progress) progress(n_done, n_steps);
@@ -183,7 +167,7 @@ FitResult fit_on_these_threads(const RestitutionSamples& samples, const FitConfi
     known = curve->known();
     deviation = curve->deviation();
     if (main.node_speeds_mps.empty() && result.curve->nodes.size() > 1)
-      for (const NodeEstimate& node : result.curve->nodes) main.node_speeds_mps.push_back(node.v_mps);
+      for (const CurveNode& node : result.curve->nodes) main.node_speeds_mps.push_back(node.v_mps);
   }
   const RestitutionSamples moved = known.is_open() ? at_the_plate(*part, known, deviation) : RestitutionSamples{};
   const RestitutionSamples& used = known.is_open() ? moved : *part;
@@ -203,18 +187,13 @@ FitResult fit_on_these_threads(const RestitutionSamples& samples, const FitConfi
   const PartOfSamples without_outliers(used, result.law.outliers);
   const RestitutionSamples& kept = *without_outliers;
   const OrderedSamples ordered_kept = result.law.outliers.empty() ? ordered : ordered_by_speed(kept);
-  const auto other = [&](LawKind kind, LawMethod method) {
-    return fit_law(kept, ordered_kept, alternative(config.law, kind, method, result.law));
-  };
-  result.law_least_squares = other(config.law.kind, LawMethod::least_squares);
-  step();
-  result.law_least_absolute = other(config.law.kind, LawMethod::least_absolute);
-  step();
-  result.law_viscoelastic = other(LawKind::viscoelastic, config.law.method);
+  LawFit sphere = config.law.kind == LawKind::viscoelastic
+                      ? result.law
+                      : fit_law(kept, ordered_kept, viscoelastic(config.law, result.law));
   step();
   result.histograms = fit_histograms(kept, config.histograms, result.law);
   // as the intervals give them where nobody knows what the air did to them
-  result.density = density_picture(known.is_named ? used : *part);
+  if (used.size() > kMostShown) result.density = density_picture(known.is_named ? used : *part);
   BudgetConfig budget = budget_config_of(*part, config.budget);
   if (known.has_drag && budget.drag == Effect::present) budget.drag = Effect::corrected;
   if (known.has_contact && budget.contact_time == Effect::present) budget.contact_time = Effect::corrected;
@@ -229,16 +208,21 @@ FitResult fit_on_these_threads(const RestitutionSamples& samples, const FitConfi
   step();
   if (curve) {
     look_beside(*curve, result.law, config.law, result.memory ? &*result.memory : nullptr, ordered.data.v_mps);
-    look_beside(*curve, result.law_viscoelastic, config.law, nullptr, ordered_kept.data.v_mps);
+    look_beside(*curve, sphere, config.law, nullptr, ordered_kept.data.v_mps);
   }
-  result.constants = constants_of(result);
+  result.constants = constants_of(result, sphere);
   if (result.curve) {
-    result.curve->peak = peaks_of(*result.curve, result.law);
+    add_peaks(*result.curve, result.law);
     const double v_mps = config.dem_speed_mps.value_or(result.curve->nodes[result.curve->nodes.size() / 2].v_mps);
     const SampleConditions& conditions = used.front().conditions;
+    std::optional<DemMemory> memory;
+    if (memory_holds(result)) {
+      memory.emplace().law = *result.memory->law;
+      memory->q = result.memory->roughness.q.value;
+    }
     if (result.is_one_ball)
-      result.dem_export = dem_export(*result.curve, result.law.scatter, v_mps, conditions.ball, conditions.plate,
-                                     memory_holds(result) ? &*result.memory : nullptr);
+      result.dem_export =
+          dem_export(*result.curve, result.law.scatter, v_mps, conditions.ball, conditions.plate, memory);
   }
   result.n_used = result.law.n;
   result.n_left_out = left_out.n;

@@ -7,25 +7,20 @@ namespace {
 /// Which fit is the main one, and whether the fit with memory stands beside it: one choice for the user.
 struct Method {
   const char* name;
-  LawMethod law;
   UseMemory memory;
 };
-constexpr Method kMethods[]{{"auto", LawMethod::asymmetric_laplace, UseMemory::where_long},
-                            {"asymmetric-laplace", LawMethod::asymmetric_laplace, UseMemory::never},
-                            {"least-squares", LawMethod::least_squares, UseMemory::never},
-                            {"least-absolute", LawMethod::least_absolute, UseMemory::never},
-                            {"memory", LawMethod::asymmetric_laplace, UseMemory::always}};
+constexpr Method kMethods[]{{"auto", UseMemory::where_long},
+                            {"asymmetric-laplace", UseMemory::never},
+                            {"memory", UseMemory::always}};
 
 const char* method_of(const FitConfig& config) {
   for (const Method& method : kMethods)
-    if (method.law == config.law.method && method.memory == config.memory) return method.name;
+    if (method.memory == config.memory) return method.name;
   return "";
 }
 void set_method(void* config, const Value& name) {
   for (const Method& method : kMethods) {
-    if (method.name != std::get<std::string>(name)) continue;
-    static_cast<FitConfig*>(config)->law.method = method.law;
-    static_cast<FitConfig*>(config)->memory = method.memory;
+    if (method.name == std::get<std::string>(name)) static_cast<FitConfig*>(config)->memory = method.memory;
   }
 }
 void set_law_kind(void* config, const Value& name) {
@@ -49,11 +44,10 @@ Description members_of(const FitConfig*) {
           .set_by(set_law_kind),
       member<method_of>(
           "method",
-          "How the law's constants are estimated, nothing else: asymmetric-laplace (the law is the peak of p(eps)), "
-          "least-squares (the mean), least-absolute (the median) or memory: asymmetric-laplace, and beside it the "
-          "likelihood of each impact given the drop's earlier ones; auto: memory from 5 drops of 30 impacts on average "
-          "on")
-          .one_of("auto,asymmetric-laplace,least-squares,least-absolute,memory")
+          "How the law's constants are estimated, nothing else: asymmetric-laplace (each impact by itself; "
+          "the law is the peak of p(eps)) or memory (each impact given the drop's earlier ones, where the scatter is "
+          "that of a rough ball); auto: memory from 5 drops of 30 impacts on average on")
+          .one_of("auto,asymmetric-laplace,memory")
           .set_by(set_method),
       member<&C::law, &LawFitConfig::n_bootstrap>("bootstrap", "Replicates of the bootstrap by drop, 0 = none")
           .within(0, 1e5),

@@ -91,8 +91,9 @@ LoopScore score_loop(std::size_t n_drops, const detection::OnsetScore& onsets, c
         {v,
          {slope_at(true_times, v, &Window::slope_rising), slope_at(sound, v, &Window::slope_rising)},
          {slope_at(true_times, v, &Window::slope_falling), slope_at(sound, v, &Window::slope_falling)}});
-  for (const fit::CurvePoint& point : sound.law.curve)
-    score.truth_curve.push_back({point.x, restitution(truth, point.x)});
+  if (sound.curve)
+    for (const fit::CurvePoint& point : sound.curve->points)
+      score.truth_curve.push_back({point.x, restitution(truth, point.x)});
   return score;
 }
 

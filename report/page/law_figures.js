@@ -106,5 +106,6 @@ function cornerOfConstants() {
   if (shown.length < 2 || shown.length < names.length || !shown.every(e => known(e.value) && known(e.se) && e.se > 0)) return;
   drawCorner(figure('constants', `How well ${shown.map(c => c.name).join(', ')} are known`,
                     'Diagonal: each alone, with its 95% interval as a bar. Below: ellipses that hold 68% and 95%.' + (summary && summary.eps_nodes ? ' Red: what went in.' : '') +
-                        ' Thin ellipses: only a combination of the constants is known.'), shown, constants.correlation);
+                        ' Thin ellipses: only a combination of the constants is known.'), shown,
+             constants.covariance.map((row, i) => row.map((c, j) => c / Math.sqrt(constants.covariance[i][i] * constants.covariance[j][j]))));
 }

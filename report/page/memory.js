@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The memory of the fluctuations: probability transforms, eps(v) with and without memory, tests, roughness.
+// The memory of the fluctuations: probability transforms, tests, roughness.
 
 
 /// Counts by twentieths of the probability transform, with what a uniform one would give and the band that holds 95 %
@@ -58,20 +58,6 @@ function memoryTests(m) {
   table('', ['test', 'value', 'p', element('span', {class: 'words'}, 'in words')], rows.map(row => [...row.slice(0, 3), element('span', {class: 'words'}, row[3])]));
 }
 
-/// eps(v) and the constants with memory, and for comparison those of impacts taken as independent.
-function memoryBesideIndependent(m) {
-  const alone = v => ((law && law.nodes) || []).find(n => Math.abs(n.v_mps - v) < 1e-9) || {};
-  const truth = v => (((summary && summary.eps_nodes) || []).find(n => Math.abs(n.v_mps - v) < 1e-9) || {}).truth;
-  const constants = Object.fromEntries(((summary && summary.constants) || []).map(c => [c.name, c.truth]));
-  const rows = [...(m.nodes || []).map(n => [`ε(${speed(n.v_mps)})`, truth(n.v_mps), {...n, value: n.eps}, {...alone(n.v_mps), value: alone(n.v_mps).eps}]),
-                ...(m.parameters || []).filter(name => m[name].identified !== false && law[name]).map(name => [name, constants[name], m[name], law[name]])];
-  const withTruth = rows.some(([, t]) => known(t));
-  table('', ['quantity', ...(withTruth ? ['what went in'] : []), 'with memory', '95% interval', 'impacts as independent', 'variance ratio'],
-        rows.map(([name, t, e, other]) => [name, ...(withTruth ? [number(t, 7)] : []), measured(e.value, e.se), interval(e.ci95), measured(other.value, other.se),
-                                           known(other.se) && e.se > 0 ? number((other.se / e.se) ** 2, 3) : '–']),
-        'ε is here that of the law at the contact, the peak. Impacts as independent: the fit that knows nothing of memory, for comparison. Variance ratio: how many times more drops it would need for the same error.');
-}
-
 /// What the scatter says of the surface. All but q follows from q, so that an interval is q's, to a power.
 function roughnessTable(r) {
   if (!r || !known(r.q)) return;
@@ -106,7 +92,6 @@ function memorySection(m, roughness) {
   const n = drawTransforms(parent, m.transform_counts);
   parent.append(element('p', {class: 'caption'}, `Probability transforms of the impacts given the earlier ones of their drop. ${bandWords(n)}`));
   memoryTests(m);
-  memoryBesideIndependent(m);
   if (m.holds) roughnessTable(roughness);
   else add('p', {class: 'caption'}, 'Roughness is not stated: it would follow from the model.');
 }

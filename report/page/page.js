@@ -38,8 +38,8 @@ function figures() {
   if (data.sweep) sweepSection(data.sweep);
   if (data.paper && data.simulation) paperSection(data.paper, data.simulation);
   if (!fit) return;
-  if (law && (law.residuals || []).length > 1)
-    drawResiduals(figure('residuals', 'Does the law hold at every speed?', 'Of the law with its few constants, not of the curve. Above: mean residual (ε less the law) in bins of speed over its standard error, the pull; pulls scatter about 0 by about 1 where the law holds. Below: mean distance from the law over the one that the fit expects, with its standard error.' + (withMemory ? ' Of the fit that takes impacts as independent.' : '')), law.residuals);
+  if ((fit.residuals || []).length > 1)
+    drawResiduals(figure('residuals', 'Does the law hold at every speed?', 'Of the law with its few constants, not of the curve. Above: mean residual (ε less the law) in bins of speed over its standard error, the pull; pulls scatter about 0 by about 1 where the law holds. Below: mean distance from the law over the one that the fit expects, with its standard error.' + (withMemory ? ' Of the fit that takes impacts as independent.' : '')), fit.residuals);
   const histograms = (fit && fit.histograms) || [], theory = summary && summary.theory;
   const shown = histograms.filter(h => h.bins && h.curve && (h.curve.eps || []).length);
   if (shown.length) {
@@ -52,9 +52,6 @@ function figures() {
       drawSlopes(figure('slopes', 'Slopes of p(ε) against speed', 'Slopes of the two exponentials, timing noise taken out, with 95% intervals.' +
                         (theory ? ` Lines: the closed form, without a fitted parameter, from the surface simulated. Open circles: ${data.simulation ? 'the simulation, without sound' : 'from the true times'}.` : '') +
                         ' Below: their ratio; 1 would be a symmetric p(ε).'), shown, theory);
-  } else if (histograms.length) {
-    add('h2', {}, 'Distribution of ε at fixed speed');
-    add('p', {class: 'caption'}, 'Too few samples at any one speed: ' + histograms.map(h => `${number(h.n)} at ${number(h.v_mps, 2)} m/s`).join(', ') + '.');
   }
   theorySection(theory);
   reservoirSection(summary && summary.reservoir);
@@ -64,7 +61,7 @@ function figures() {
     drawEnergy(figure('energy', 'Scatter against speed', 'Standard deviation of ε − ε(v), all of it and by cause. An energy given at random to rotation makes it go as 1/v.'), budget);
     // two exponentials have a kurtosis of 6: the variance of n samples is known to sqrt(5/n)
     const randomShare = Math.max(...budget.rows.filter(r => r.n > 1).map(r => Math.sqrt(5 / r.n)));
-    drawBudget(figure('budget', 'What limits the result', `Above: where the variance of ε comes from; ${number(100 * randomShare, 1)}% not explained may be random error. Below: what shifts the curve, beside its standard error; a cause that lies above it biases the result.`), budget);
+    drawBudget(figure('budget', 'What limits the result', `Above: where the variance of ε comes from; ${number(100 * randomShare, 1)}% not explained may be random error. Below: what drag and contact time would shift the curve by; they are taken out.`), budget);
   }
   cornerOfConstants();
   if (wave && (wave.excerpts || []).length) excerptsSection();
@@ -76,7 +73,7 @@ function tables() {
   curveTable();
   constantsTable();
   recordingsTable();
-  otherFits();
+  otherLaws();
   histogramTables();
   timingTable();
   budgetTable();

@@ -84,7 +84,7 @@ function drawEnergy(parent, budget) {
 }
 
 const causes = [['share_asperities', 'ball (asperities)', blue], ['share_timing', 'timing', orange], ['share_travel_time', 'travel time', green], ['share_unexplained', 'not explained', grey]];
-const shifts = [['shift_drag', 'air drag', blue], ['shift_contact_time', 'contact time', orange], ['se_curve', 'finite sample (1 se)', red]];
+const shifts = [['shift_drag', 'air drag', blue], ['shift_contact_time', 'contact time', orange]];
 
 /// Where the variance of eps comes from, and what shifts eps(v), by speed.
 function drawBudget(parent, budget) {

@@ -2,10 +2,6 @@
 // Tables below the figures.
 
 
-const methodWords = {
-  asymmetric_laplace: 'maximum likelihood, the scatter as two exponentials, one to either side, with a normal part (an asymmetric Laplace density); the law is its peak',
-  least_squares: 'least squares; the law is the mean', least_absolute: 'least absolute deviations; the law is the median'};
-
 /// Truth beside what came back; only after a closed loop.
 function truthTable() {
   const nodes = (summary && summary.eps_nodes) || [];
@@ -28,14 +24,14 @@ function truthTable() {
 function curveTable() {
   const curve = fit && fit.curve;
   if (!curve || fit.is_one_ball === false) return;
-  const others = [['mean', curve.mean], ['peak', curve.peak]].filter(([, nodes]) => (nodes || []).some((n, k) => Math.abs(n.eps - curve.nodes[k].eps) > curve.nodes[k].se));
+  const others = ['mean', 'peak'].filter(name => curve.nodes.some(n => known(n[name]) && Math.abs(n[name] - n.eps) > n.se));
   const scatter = [`Standard deviation of ε from bounce to bounce at the median speed: ${number(curve.scatter, 2)}`,
                    ...(known(curve.scatter_of_drops) ? [`of what the bounces of one drop share: ${number(curve.scatter_of_drops, 2)}`] : [])];
   const within = (e, scale, unit) => `${number(scale * e.ci95[0], 2)} to ${number(scale * e.ci95[1], 2)}${unit}`;  // log-normal
   const air = [...(curve.kappa_per_m ? [`drag over speed squared ${within(curve.kappa_per_m, 1, ' per m')}`] : []),
                ...(curve.contact_s ? [`contact time ${within(curve.contact_s, 1e3, ' ms')}`] : [])];
-  table('ε at some speeds', ['speed', 'ε ± standard error', '68% interval', '95% interval', 'energy lost', ...others.map(([name]) => `${name} of ε`)],
-        curve.nodes.map((n, k) => [speed(n.v_mps), measured(n.eps, n.se), interval(n.ci68), interval(n.ci95), `${(100 * (1 - n.eps ** 2)).toFixed(1)} %`, ...others.map(([, nodes]) => nodes[k] ? measured(nodes[k].eps, nodes[k].se) : '–')]),
+  table('ε at some speeds', ['speed', 'ε ± standard error', '95% interval', 'energy lost', ...others.map(name => `${name} of ε`)],
+        curve.nodes.map(n => [speed(n.v_mps), measured(n.eps, n.se), interval(n.ci95), `${(100 * (1 - n.eps ** 2)).toFixed(1)} %`, ...others.map(name => measured(n[name], n[`${name}_se`]))]),
         `ε is the root mean square over bounces, √⟨ε²⟩: energy lost is 1 − ε². ${scatter.join('; ')}.` + (air.length ? ` Taken out of the intervals, at 1 m/s (95 %): ${air.join(', ')}.` : '') +
         (curve.n_drops === 1 ? ' All of this drop: others may differ.' : ''));
 }
@@ -44,8 +40,9 @@ const isDetermined = name => (constants.parameters || []).includes(name) && cons
 
 /// The law's constants, or why none are stated.
 function constantsTable() {
-  if (!fit || !law) return;
-  const of = withMemory ? fit.memory : law, named = (constants.parameters || []).filter(isDetermined).map(name => [name, constants[name]]);
+  if (!fit) return;
+  const named = [...(constants.parameters || []).filter(isDetermined).map(name => [name, constants[name]]),
+                 ...(constants.gamma && !(constants.parameters || []).includes('gamma') ? [['γ, of a viscoelastic sphere', constants.gamma]] : [])];
   const why = constants.message ? constants.message[0].toUpperCase() + constants.message.slice(1) + '.' : '';
   if (!named.length) {
     if (!why) return;
@@ -54,22 +51,18 @@ function constantsTable() {
     return;
   }
   const byDrop = named.some(([, e]) => known(e.se_independent)), boot = named.some(([, e]) => e.bootstrap);
-  const rows = named.map(([name, e]) => [name, measured(e.value, e.se), interval(e.ci68), interval(e.ci95),
+  const rows = named.map(([name, e]) => [name, measured(e.value, e.se), interval(e.ci95),
                                          ...(byDrop ? [known(e.se_independent) ? e.se_independent.toPrecision(2) : '–'] : []),
                                          ...(boot ? [e.bootstrap ? e.bootstrap.se.toPrecision(2) : '–', interval((e.bootstrap || {}).ci95)] : [])]);
-  const form = {series: 'ε(v) = 1 + Σ Cᵢ Aᵢ v^(i/10), v in m/s; C₂ = −1.153449, C₄ = 0.798267, C₅ = 4/15. ', viscoelastic: 'The viscoelastic sphere, v in m/s. ', constant: 'ε alike at all speeds. '}[law.law] || '';
-  table('Constants of the law', ['quantity', 'value ± standard error', '68% interval', '95% interval', ...(byDrop ? ['error if impacts were independent'] : []),
+  table('Constants of the law', ['quantity', 'value ± standard error', '95% interval', ...(byDrop ? ['error if impacts were independent'] : []),
                                  ...(boot ? ['bootstrap error', 'bootstrap 95%'] : [])], rows,
-        `${form}Method: ${withMemory ? 'maximum likelihood of each impact given the earlier ones of its drop (with memory)' : methodWords[law.method] || law.method || '–'}; ${number(of.n)} samples. ${why}`.trim());
-  const quality = [];
-  if (constants.correlation && constants.correlation.length > 1)
-    constants.parameters.forEach((a, i) => constants.parameters.forEach((b, j) => i < j && quality.push(`correlation ${a} ${b} ${number(constants.correlation[i][j], 4)}`)));
-  if (known(of.condition_number)) quality.push(`condition number ${number(of.condition_number, 3)}`);
-  if (known(of.loglik)) quality.push(`log-likelihood ${number(of.loglik, 7)}`);
-  if (known(of.chi2) && known(of.ndf)) quality.push(`χ²/ndf (misfit over degrees of freedom, 1 expected) = ${number(of.chi2, 5)}/${number(of.ndf)}, p (chance of a worse one) = ${number(of.p_value, 3)}`);
-  if (of.anderson_darling)
-    quality.push(`Anderson–Darling A² = ${number(of.anderson_darling.a2, 4)}, p = ${number(of.anderson_darling.p_value, 3)} among ${number(of.anderson_darling.n_replicates)} simulated fits`);
-  if (law.misfit) quality.push(`ln B = ${number(law.misfit.ln_bayes_factor, 2)} for the law with a smooth deviation against the law alone; above 3 the law does not describe the bounces`);
+        `ε(v) = 1 + Σ Cᵢ Aᵢ v^(i/10), v in m/s; C₂ = −1.153449, C₄ = 0.798267, C₅ = 4/15. Maximum likelihood${withMemory ? ' of each impact given the earlier ones of its drop (with memory)' : ', the scatter as two exponentials, one to either side, with a normal part; the law is its peak'}. ${why}`.trim());
+  const quality = [], good = fit.goodness || {}, covariance = constants.covariance || [];
+  covariance.forEach((row, i) => row.forEach((c, j) => i < j && quality.push(`correlation ${constants.parameters[i]} ${constants.parameters[j]} ${number(c / Math.sqrt(covariance[i][i] * covariance[j][j]), 4)}`)));
+  if (known(good.chi2)) quality.push(`χ²/ndf (misfit over degrees of freedom, 1 expected) = ${number(good.chi2, 5)}/${number(good.ndf)}, p (chance of a worse one) = ${number(good.p_value, 3)}`);
+  if (good.anderson_darling)
+    quality.push(`Anderson–Darling A² = ${number(good.anderson_darling.a2, 4)}, p = ${number(good.anderson_darling.p_value, 3)} among ${number(good.anderson_darling.n_replicates)} simulated fits`);
+  if (fit.misfit) quality.push(`ln B = ${number(fit.misfit.ln_bayes_factor, 2)} for the law with a smooth deviation against the law alone; above 3 the law does not describe the bounces`);
   if (quality.length) add('p', {class: 'caption'}, quality.join('; ') + '.');
 }
 
@@ -78,25 +71,17 @@ function recordingsTable() {
   const all = (fit && fit.recordings) || [], test = fit && fit.recordings_test;
   const far = r => r.offset && r.offset.se > 0 ? Math.abs(r.offset.value) / r.offset.se : 0;
   const most = 50, shown = all.length > most ? [...all].sort((a, b) => far(b) - far(a)).slice(0, most) : all;
-  const nodes = (law && law.nodes) || [];
+  const nodes = (fit && fit.curve && fit.curve.nodes) || [];
   const at = (r, v) => { const n = (r.nodes || []).find(node => node.v_mps === v); return n ? measured(n.eps, n.se) : '–'; };
   table('Recordings', ['recording', 'samples', 'drops', ...nodes.map(n => `ε(${speed(n.v_mps)})`), 'offset from one curve'],
         shown.map(r => [shownName(r.recording) || '(no name)', number(r.n), number(r.n_drops), ...nodes.map(n => at(r, n.v_mps)), estimated(r.offset)]),
-        'ε here is that of the law' + (law && law.method === 'asymmetric_laplace' ? ', the peak. ' : '. ') +
+        'ε here is that of the law, the peak. ' +
         (test ? `Each alone${withMemory ? ', impacts taken as independent' : ''}. One curve for all: p = ${number(test.p_value, 3)} (likelihood ratio ${number(test.likelihood_ratio, 4)} for ${number(test.ndf)} offsets, against the differences between ${test.within}).` : 'Each alone; too few samples to compare them.') +
         (all.length > most ? ` The ${most} furthest off of ${all.length}; all are in fit.json.` : ''));
 }
 
-function otherFits() {
-  if (!law || !law.nodes) return;
-  const others = [...(withMemory ? [['with memory (peak)', fit.memory]] : []), [withMemory ? 'impacts taken as independent (peak)' : 'as configured' + (law.method === 'asymmetric_laplace' ? ' (peak)' : ''), law], ['least squares (mean)', fit.law_least_squares], ['least absolute deviations (median)', fit.law_least_absolute],
-                  ['viscoelastic, one γ', fit.law_viscoelastic]].filter(o => o[1] && o[1].nodes && o[1].nodes.length);
-  const constantsOf = l => (l.parameters || []).map(k => `${k === 'gamma' ? 'γ' : k} = ${measured(l[k].value, l[k].se)}`).join(', ');
-  if (others.length > 1) {
-    table('Parametric fits of the same samples', ['fit', ...law.nodes.map(n => `ε(${speed(n.v_mps)})`)], others.map(([name, l]) => [name, ...l.nodes.map(n => measured(n.eps, n.se))]));
-    add('p', {class: 'caption'}, others.slice(1).map(([name, l]) => `${name}: ${constantsOf(l)}`).join('; ') + '.');
-  }
-  table('Which law?', ['law', 'parameters', 'ΔAIC', 'ΔBIC'], (fit.law_comparison || []).map(c => [c.name, number(c.n_parameters), number(c.delta_aic, 4), number(c.delta_bic, 4)]),
+function otherLaws() {
+  table('Which law?', ['law', 'parameters', 'ΔAIC'], ((fit && fit.laws) || []).map(c => [c.name, number(c.n_parameters), number(c.delta_aic, 4)]),
         'Same samples, same model of the scatter; differences to the best, smaller is better, 10 is decisive.');
 }
 
@@ -131,7 +116,7 @@ function budgetTable() {
   const parts = causes.filter(there), moved = [...shifts, ['mean_minus_peak', 'mean − peak']].filter(there);
   table('Error budget', ['v (m/s)', 'n', 'sd of ε', ...parts.map(([, name]) => name), ...moved.map(([, name]) => name)],
         b.rows.map(r => [number(r.v_mps, 3), number(r.n), tiny(r.spread), ...parts.map(([key]) => percent(r[key])), ...moved.map(([key]) => tiny(r[key]))]),
-        'Shares of the variance of ε, then shifts of ε(v), those of drag and contact time taken out, beside the standard error of the curve. Mean − peak: what least squares is off by; the fit follows the peak. ' + (b.effects || []).map(e => `${e.name}: ${e.state}`).join('; ') + '.');
+        'Shares of the variance of ε, then shifts of ε(v), those of drag and contact time taken out. Mean − peak: what a fit of the mean is off by; the law follows the peak.');
 }
 
 /// The fitted law for codes of discrete particles.
@@ -139,11 +124,11 @@ function handOff() {
   const h = fit && fit.hand_off;
   if (!h) return;
   add('h2', {id: 'dem'}, 'In a DEM code');
-  add('p', {class: 'caption'}, `Root mean square √⟨ε²⟩ = ${measured(h.eps, h.se)} at ${speed(h.v_mps)}, which keeps the energy; mean ${number(h.mean, 4)}, peak ${number(h.peak, 4)}. Mind: ${h.warning}. Each input is one impact of ${h.ball}, complete; \`bouncelab dem fit.json --code lammps\` prints it.`);
+  add('p', {class: 'caption'}, `Root mean square √⟨ε²⟩ = ${measured(h.eps, h.se)} at ${speed(h.v_mps)}, which keeps the energy. Mind: ${h.warning}. Each input is one impact of ${h.ball}, complete; \`bouncelab dem fit.json --code lammps\` prints it.`);
   const rows = ['v_mps,eps,lo95,hi95', ...answerCurve(fit).map(p => [p.v_mps, p.eps, p.lo95, p.hi95].map(x => x === null ? '' : x).join(','))];
   add('p', {}, element('a', {href: 'data:text/csv;charset=utf-8,' + encodeURIComponent(rows.join('\n') + '\n'), download: 'restitution_law.csv'}, 'ε(v) with its 95% band as a table (CSV)'),
       '; constants with their covariance: fit.json.');
-  for (const s of h.snippets || []) {
+  for (const s of data.dem || []) {
     add('h3', {}, `${s.program}, ${s.model}`);
     add('p', {class: 'caption'}, `fills ${s.parameter}`);
     add('pre', {tabindex: '0', role: 'region', 'aria-label': `Input for ${s.program}, ${s.model}`}, s.text);

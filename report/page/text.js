@@ -5,9 +5,8 @@
 const data = JSON.parse(document.getElementById('data').textContent);
 const page = document.getElementById('report');
 const {summary, fit, wave, samples} = data;
-const law = fit && fit.law;
-/// Constants of the law as they are stated: by the fit with memory where that holds; then `law`, which takes impacts as
-/// independent, is a comparison.
+/// Constants of the law as they are stated: by the fit with memory where that holds, else with impacts taken as
+/// independent.
 const constants = (fit && fit.constants) || {}, withMemory = constants.with_memory === true;
 const few = Boolean(samples);  // few enough to be shown one by one: more are not in the data
 

@@ -22,9 +22,9 @@ std::string sentence(std::string text) {
   return text + ".";
 }
 
-std::string describe_nodes(const std::vector<NodeEstimate>& estimates) {
+std::string describe_nodes(const Curve& curve) {
   std::vector<std::string> nodes;
-  for (const NodeEstimate& node : estimates)
+  for (const CurveNode& node : curve.nodes)
     nodes.push_back(fit::in_words(node.eps.value, node.eps.se) + formatted(" at %.3g m/s", node.v_mps));
   return joined(nodes);
 }
@@ -38,19 +38,16 @@ std::string describe_constants(const std::vector<NamedEstimate>& parameters) {
 
 /// Mean and peak where they are another than the root mean square by more than its error.
 std::string other_centres(const Curve& curve) {
-  const std::size_t middle = curve.nodes.size() / 2;
-  const Estimate& eps = curve.nodes[middle].eps;
+  const CurveNode& middle = curve.nodes[curve.nodes.size() / 2];
   std::vector<std::string> others;
-  const auto add = [&](const char* name, const std::vector<NodeEstimate>& nodes) {
-    if (nodes.size() != curve.nodes.size()) return;
-    const Estimate& other = nodes[middle].eps;
-    if (std::abs(other.value - eps.value) > eps.se.value_or(0.0))
+  const auto add = [&](const char* name, const Estimate& other) {
+    if (std::abs(other.value - middle.eps.value) > middle.eps.se.value_or(0.0))
       others.push_back(name + fit::in_words(other.value, other.se));
   };
-  add("the mean is ", curve.mean);
-  add("the most frequent ε is ", curve.peak);
+  add("the mean is ", middle.mean);
+  if (middle.peak) add("the most frequent ε is ", *middle.peak);
   return others.empty() ? ""
-                        : formatted(" At %.3g m/s ", curve.nodes[middle].v_mps) + joined(others, " and ") +
+                        : formatted(" At %.3g m/s ", middle.v_mps) + joined(others, " and ") +
                               ": ε here is the root mean square, which keeps the energy.";
 }
 
@@ -59,18 +56,15 @@ std::string dependence(const FitResult& r) {
   for (const NamedEstimate& p : r.constants.parameters)
     if (!p.estimate.identified) unknown.push_back(p.name);
   const std::string known = describe_constants(r.constants.parameters);
-  std::string text = "ε = " + describe_nodes(r.curve->nodes) + " (± one standard error)." + other_centres(*r.curve);
+  std::string text = "ε = " + describe_nodes(*r.curve) + " (± one standard error)." + other_centres(*r.curve);
   if (!known.empty())
     text += " Constants of the law: " + known + (r.constants.with_memory ? " (by the fit with memory)." : ".");
   if (r.constants.status == FitStatus::not_applicable && !r.constants.message.empty())
     text += " " + sentence(r.constants.message);
-  const auto& misfit = r.law_viscoelastic.misfit;
-  if (!r.law_viscoelastic.parameters.empty() && !(misfit && misfit->ln_bayes_factor > kStrongBayesFactor)) {
-    const Estimate& gamma = r.law_viscoelastic.parameters.front().estimate;
+  if (r.constants.gamma)
     text += " As a viscoelastic ball, with one constant of dissipation" +
             std::string(r.constants.with_memory ? " and impacts taken as independent" : "") +
-            ": gamma = " + fit::in_words(gamma.value, gamma.se) + ".";
-  }
+            ": gamma = " + fit::in_words(r.constants.gamma->value, r.constants.gamma->se) + ".";
   if (!unknown.empty())
     text += " The law's constants " + joined(unknown) + " cannot be told from these " + std::to_string(r.law.n) +
             " impacts, the curve can.";
@@ -100,7 +94,7 @@ std::string scatter_as_assumed(const FitResult& r) {
 
 std::string certainty(const FitResult& r) {
   std::vector<std::string> intervals;
-  for (const NodeEstimate& node : r.curve->nodes)
+  for (const CurveNode& node : r.curve->nodes)
     intervals.push_back(interval_in_words(node.eps) + formatted(" at %.3g m/s", node.v_mps));
   const std::string text =
       "95 % intervals (19 of 20 such intervals hold the true value): ε from " + joined(intervals) +
@@ -133,7 +127,7 @@ std::string limits(const FitResult& r) {
                       std::min(100.0, 100.0 * random_share));
   // the shares of two that depend on each other may both be 100 %
   const double contact = r.curve->share_of_contact, drag = r.curve->share_of_drag;
-  const NodeEstimate& middle = r.curve->nodes[r.curve->nodes.size() / 2];
+  const CurveNode& middle = r.curve->nodes[r.curve->nodes.size() / 2];
   if (middle.eps.se) {
     const bool drops_differ = r.curve->scatter_of_drops.value_or(0.0) > 0.5 * r.curve->scatter;
     text += formatted(" Of %zu bounces", r.n_used) +

@@ -58,8 +58,7 @@ std::string escaped(const std::string& text) {
 }  // namespace
 
 std::string samples_json(RestitutionSamples samples, const std::string& fit_json) {
-  constexpr std::size_t kMostShown = 400;
-  if (samples.size() > kMostShown) return {};
+  if (samples.size() > fit::kMostShown) return {};
   const Json fit = parsed(fit_json, "fit.json");
   const auto found = [&](const char* key) -> std::optional<double> {
     const Json::json_pointer value(std::string("/curve/") + key + "/value");
@@ -83,6 +82,12 @@ std::string render(const ReportInput& input) {
   data["program"] = "bouncelab " + std::string(version()) + ", commit " + std::string(commit());
   data["summary"] = parsed(input.summary_json, "summary.json");
   data["fit"] = parsed(input.fit_json, "fit.json");
+  if (const auto dem = data["fit"].is_object() ? dem_of_fit(input.fit_json) : std::nullopt)
+    for (const fit::Snippet& snippet : dem->snippets)
+      data["dem"].push_back({{"program", snippet.program},
+                             {"model", snippet.model},
+                             {"parameter", snippet.parameter},
+                             {"text", snippet.text}});
   data["wave"] = parsed(input.wave_json, "wave.json");
   data["paper"] = parsed(input.paper_json, "paper.json");
   data["simulation"] = parsed(input.fit_simulation_json, "fit_from_simulation.json");

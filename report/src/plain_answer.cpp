@@ -168,13 +168,13 @@ std::string file_name(const std::string& recording) {
 }
 
 /// The middle one, or where eps steps near its speed one that lies beside the step.
-const NodeEstimate& stated_node(const Curve& curve) {
+const CurveNode& stated_node(const Curve& curve) {
   constexpr double kBeside = 0.2;  // in ln v
-  const NodeEstimate* best = &curve.nodes[curve.nodes.size() / 2];
+  const CurveNode* best = &curve.nodes[curve.nodes.size() / 2];
   if (!curve.step) return *best;
-  const auto distance = [&](const NodeEstimate& node) { return std::abs(log(node.v_mps / curve.step->v_mps)); };
+  const auto distance = [&](const CurveNode& node) { return std::abs(log(node.v_mps / curve.step->v_mps)); };
   if (distance(*best) > kBeside) return *best;
-  for (const NodeEstimate& node : curve.nodes)
+  for (const CurveNode& node : curve.nodes)
     if (distance(node) > distance(*best)) best = &node;
   return *best;
 }
@@ -299,7 +299,7 @@ PlainAnswer plain_answer(const FitResult& result, const RestitutionSamples& samp
   const bool is_fitted = result.curve.has_value();
   if (is_fitted && result.is_one_ball) {
     const Curve& curve = *result.curve;
-    const NodeEstimate& node = stated_node(curve);
+    const CurveNode& node = stated_node(curve);
     answer.at = at(node.v_mps, node.eps);
     answer.one_value = curve.points.empty();
     // the fastest first: there most is lost

@@ -17,20 +17,19 @@ namespace {
 /// One line for all pairs: the worst one stands for them.
 void warn_of_correlation(const Constants& law, std::vector<std::string>& warnings) {
   std::size_t worst_i = 0, worst_j = 0;
+  const auto correlation = [&](std::size_t i, std::size_t j) {
+    return law.covariance[i][j] / std::sqrt(law.covariance[i][i] * law.covariance[j][j]);
+  };
   double worst = 0.99;
   for (std::size_t i = 0; i < law.parameters.size(); ++i)
     for (std::size_t j = 0; j < i; ++j)
-      if (std::abs(law.correlation[i][j]) > worst) {
-        worst = std::abs(law.correlation[i][j]);
-        worst_i = i;
-        worst_j = j;
-      }
+      if (std::abs(correlation(i, j)) > worst) worst = std::abs(correlation(i, j)), worst_i = i, worst_j = j;
   if (worst_i == worst_j) return;
   warnings.push_back(
       law.parameters[worst_j].name + " and " + law.parameters[worst_i].name +
       formatted(" cannot be told apart with these speeds: their correlation is %.4f; use the curve ε(v), "
                 "or the constants with their covariance",
-                law.correlation[worst_i][worst_j]));
+                correlation(worst_i, worst_j)));
 }
 
 /// The constants matter to few and the curve is known without them: their warnings come last.
@@ -85,21 +84,21 @@ void warn_of_law(const FitResult& result, std::vector<std::string>& warnings) {
         law.outliers.size(), law.outliers.size() == 1 ? " is" : "s are"));
 }
 
-/// Where the noise that neighbouring samples share is not what the detector states.
 /// Beyond the speeds measured, by more than a tenth, it is the law that speaks.
-void warn_of_nodes(const std::vector<NodeEstimate>& nodes, const RestitutionSamples& used,
+void warn_of_speeds(const std::vector<double>& speeds_mps, const RestitutionSamples& used,
                    std::vector<std::string>& warnings) {
   if (used.empty()) return;
   const auto [slowest, fastest] =
       std::minmax_element(used.begin(), used.end(), [](const auto& a, const auto& b) { return a.v_mps < b.v_mps; });
-  for (const NodeEstimate& node : nodes)
-    if (node.v_mps < 0.9 * slowest->v_mps || node.v_mps > 1.1 * fastest->v_mps) {
+  for (const double v_mps : speeds_mps)
+    if (v_mps < 0.9 * slowest->v_mps || v_mps > 1.1 * fastest->v_mps) {
       warnings.push_back(formatted("ε at %.3g m/s is the law continued: speeds from %.3g to %.3g m/s were measured",
-                                   node.v_mps, slowest->v_mps, fastest->v_mps));
+                                   v_mps, slowest->v_mps, fastest->v_mps));
       return;
     }
 }
 
+/// Where the noise that neighbouring samples share is not what the detector states.
 void warn_of_timing(const ErrorBudget& budget, std::vector<std::string>& warnings) {
   if (!budget.timing || !budget.timing->stated_s || !(*budget.timing->stated_s > 0.0)) return;
   const TimingNoise& t = *budget.timing;
@@ -228,8 +227,11 @@ void warn(const FitResult& result, const RestitutionSamples& samples, FitInWords
   const bool no_law = !constants.message.empty() && constants.status != FitStatus::not_identifiable;
   if (no_law && !result.curve) first.push_back(constants.message);
   warn_of_law(result, first);
-  if (result.curve) warn_of_nodes(result.curve->nodes, used, first);
-  if (result.dem_export) warn_of_nodes({{result.dem_export->v_mps, {}}}, used, first);
+  std::vector<double> speeds_mps;
+  if (result.curve)
+    for (const CurveNode& node : result.curve->nodes) speeds_mps.push_back(node.v_mps);
+  if (result.dem_export) speeds_mps.push_back(result.dem_export->v_mps);
+  warn_of_speeds(speeds_mps, used, first);
   warn_of_timing(result.budget, first);
   std::vector<std::string>& details = words.details;
   if (first.size() > kMostWarnings) {

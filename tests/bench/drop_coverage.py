@@ -66,32 +66,33 @@ def fitted(options, folder, scratch, radii, run):
     call(options.bin, "fit", samples, "--out", out, "--nodes", *SPEEDS, "--windows", *WINDOWS, "--goodness-replicates", "0")
     with open(out) as file:
         fit = json.load(file)
-    estimates = [dict(node, value=node["eps"]) for node in fit["law"]["nodes"]]
+    estimates = [{"value": node["peak"], "se": node["peak_se"], "ci95": [node["peak"] + k * 1.96 * node["peak_se"] for k in (-1, 1)]}
+                 for node in fit["curve"]["nodes"]]
     return estimates + [window[key] for window in fit["histograms"] for key in ("peak_eps", "slope_rising", "slope_falling", "slope_ratio")]
 
 
 def against(estimates, truth):
-    """(bias in mean standard errors, sd of pulls, coverage at 68 and 95 %)"""
+    """(bias in mean standard errors, sd of pulls, coverage at 95 %)"""
     value, se = (numpy.array([e[key] for e in estimates]) for key in ("value", "se"))
-    covered = [numpy.mean([e[key][0] <= truth <= e[key][1] for e in estimates]) for key in ("ci68", "ci95")]
+    covered = numpy.mean([e["ci95"][0] <= truth <= e["ci95"][1] for e in estimates])
     return (value.mean() - truth) / se.mean(), ((value - truth) / se).std(ddof=1), covered
 
 
 def show(radii, runs):
     """Prints the table; returns the number of bars missed."""
-    print("\n%s radii, %d runs\n%-14s %12s %9s %9s %6s %6s %6s" % (radii, len(runs), "", "truth", "spread", "stated", "sd", "c68", "c95"))
+    print("\n%s radii, %d runs\n%-14s %12s %9s %9s %6s %6s" % (radii, len(runs), "", "truth", "spread", "stated", "sd", "c95"))
     missed = 0
     for name, estimates in zip(QUANTITIES, zip(*runs)):
         value = numpy.array([e["value"] for e in estimates])
         stated = numpy.mean([e["se"] for e in estimates])
-        _, sd, (c68, c95) = against(estimates, value.mean())
+        _, sd, c95 = against(estimates, value.mean())
         bad = not 0.92 <= c95 <= 0.98 and not name.startswith("peak")
         missed += bad
-        print("%-14s %12.6g %9.2e %9.2e %6.2f %6.3f %6.3f%s" % (name, value.mean(), value.std(ddof=1), stated, sd, c68, c95, " !" if bad else ""))
+        print("%-14s %12.6g %9.2e %9.2e %6.2f %6.3f%s" % (name, value.mean(), value.std(ddof=1), stated, sd, c95, " !" if bad else ""))
         if name.startswith(("eps", "peak")):
             truth = law(float(name[name.index("(") + 1:-1]))
-            bias, sd, (c68, c95) = against(estimates, truth)
-            print("%-14s %12.6g %9s %9s %6s %6.3f %6.3f  bias of the rough ball %+.1e, %+.2f standard errors" % ("  by the law", truth, "", "", "", c68, c95, bias * stated, bias))
+            bias, sd, c95 = against(estimates, truth)
+            print("%-14s %12.6g %9s %9s %6s %6.3f  bias of the rough ball %+.1e, %+.2f standard errors" % ("  by the law", truth, "", "", "", c95, bias * stated, bias))
     sys.stdout.flush()
     return missed
 

@@ -100,7 +100,7 @@ TEST_F(DemCommand, InputOfYadeBouncesAsFitted) { bounces_as_fitted("yade", "yade
 
 TEST_F(DemCommand, DrawsInCppAndPythonHaveTheMeanAndTheScatterOfTheSamples) {
   fit_viscoelastic_ball();
-  const double mean = handed()["mean"].number(), eps = handed()["eps"].number();
+  const double eps = handed()["eps"].number(), mean = std::sqrt(eps * eps - kScatter * kScatter);
   std::ofstream(folder_ / "draw.cpp") << input("c++", "fluctuating") << R"(
 #include <cstdio>
 int main() {

@@ -62,7 +62,7 @@ TEST_F(Usage, FailuresAreSaidInJsonToo) {
   EXPECT_EQ(result.exit_code, 1);
   EXPECT_EQ(j["exit_code"], 1);
   EXPECT_THAT(result.err, testing::HasSubstr(j["error"].text()));
-  EXPECT_TRUE(j.contains("status"));
+  EXPECT_TRUE(j.contains("constants"));
 }
 
 TEST_F(Usage, CompletionOffersCommandsOptionsAndChoices) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The tables of docs/formats.md that descriptions hold: between "<!-- of LawFit -->" and "<!-- end -->" stands what the
+// The tables of docs/formats.md that descriptions hold: between "<!-- of Curve -->" and "<!-- end -->" stands what the
 // members of LawFit say, behind "<!-- columns of Onset -->" what the columns of a table of onsets are.
 // BOUNCELAB_WRITE_DOCS=1 in the environment writes the page instead of comparing it.
 #include <gtest/gtest.h>
@@ -46,7 +46,7 @@ const std::map<std::string, Description>& all_described() {
                   named<fit::Curve>("Curve"), named<fit::RestitutionStep>("RestitutionStep"),
                   named<fit::Constants>("Constants"), named<fit::LawMisfit>("LawMisfit"),
                   named<fit::ScatterModel>("ScatterModel"), named<fit::ResidualBin>("ResidualBin"),
-                  named<fit::LawFit>("LawFit"), named<fit::MemoryFit>("MemoryFit"), named<fit::ShapeFit>("ShapeFit"),
+                  named<fit::CurveNode>("CurveNode"), named<fit::MemoryFit>("MemoryFit"), named<fit::ShapeFit>("ShapeFit"),
                   named<fit::HistogramFit>("HistogramFit"), named<fit::TimingNoise>("TimingNoise"),
                   named<fit::BudgetRow>("BudgetRow"), named<fit::ErrorBudget>("ErrorBudget"),
                   named<fit::RecordingsTest>("RecordingsTest"), named<fit::RecordingFit>("RecordingFit"),

@@ -114,7 +114,7 @@ TEST_P(AnyBallNamed, HasItsTrueRestitutionInTheInterval) {
       fit.n_goodness = 0;
       const FitResult result = fit_all(restitution_samples(onsets, config).samples, fit);
       ASSERT_TRUE(result.curve) << w.kind.name << " " << run;
-      const NodeEstimate& node = result.curve->nodes[result.curve->nodes.size() / 2];
+      const CurveNode& node = result.curve->nodes[result.curve->nodes.size() / 2];
       const double t = stated_truth(w, node.v_mps), pull = (node.eps.value - t) / *node.eps.se;
       n += 1.0;
       n_held += t >= node.eps.ci95->lo && t <= node.eps.ci95->hi;
@@ -163,7 +163,7 @@ TEST(AnyBall, ThatYieldsHasItsTrueRestitutionInTheInterval) {
     fit.n_goodness = 0;
     const FitResult result = fit_all(restitution_samples(onsets, {}).samples, fit);
     ASSERT_TRUE(result.curve);
-    const NodeEstimate& node = result.curve->nodes[result.curve->nodes.size() / 2];
+    const CurveNode& node = result.curve->nodes[result.curve->nodes.size() / 2];
     const double t = stated_truth(w, node.v_mps);
     const double pull = (node.eps.value - t) / *node.eps.se;
     pulls2 += pull * pull;

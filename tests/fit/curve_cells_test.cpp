@@ -34,7 +34,7 @@ constexpr std::size_t kNodes = 3;  // below which 10, 50 and 90 % of the speeds 
 constexpr double kReach95 = 1.959963984540054;
 
 /// The estimates that are judged: those of fit_all, without the fits of laws beside them.
-std::vector<NodeEstimate> stated_nodes(const RestitutionSamples& samples) {
+std::vector<CurveNode> stated_nodes(const RestitutionSamples& samples) {
   LeftOut left_out;
   const PartOfSamples used = usable_samples(samples, left_out);
   return SmoothCurve(*used, places_of(*used), {}).curve().nodes;
@@ -122,7 +122,7 @@ void take_in(CellScore& score, const Cell& cell, int number) {
   config.ball = ball_from_text(cell.its_ball().name);
   config.plate = kGlass;
   const auto start = std::chrono::steady_clock::now();
-  const std::vector<NodeEstimate> stated = stated_nodes(restitution_samples(table.onsets, config).samples);
+  const std::vector<CurveNode> stated = stated_nodes(restitution_samples(table.onsets, config).samples);
   score.fit_s += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (stated.size() == 1) return;  // drops of nearly one height and few bounces: one speed
   ++score.n_tables;
@@ -131,7 +131,7 @@ void take_in(CellScore& score, const Cell& cell, int number) {
     return;
   }
   std::vector<double> speeds_mps;
-  for (const NodeEstimate& node : stated) speeds_mps.push_back(node.v_mps);
+  for (const CurveNode& node : stated) speeds_mps.push_back(node.v_mps);
   const std::vector<testing::OracleEstimate> oracle = testing::oracle_estimates(cell, table, speeds_mps);
   for (std::size_t i = 0; i < kNodes; ++i) {
     NodeScore& node = score.nodes[i];

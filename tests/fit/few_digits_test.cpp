@@ -72,7 +72,7 @@ void expect_coverage(const char* name, const ByHand& by_hand) {
       ++n_without;
       continue;
     }
-    const NodeEstimate& middle = nodes[nodes.size() / 2];
+    const CurveNode& middle = nodes[nodes.size() / 2];
     const double truth = std::hypot(eps_by_hand(middle.v_mps), kScatter);
     n_held += truth >= middle.eps.ci95->lo && truth <= middle.eps.ci95->hi;
     width += middle.eps.ci95->hi - middle.eps.ci95->lo;

@@ -87,21 +87,22 @@ TEST(SmoothCurve, OfOneDropIsOfThatDrop) {
 
 TEST(SmoothCurve, StatesTheRootMeanSquareAndTheMean) {
   const Curve curve = smooth(drops_by([](int, double) { return 0.6; }, 20, 10, 0.1, 4)).curve();
-  const NodeEstimate &rms = curve.nodes.at(1), &mean = curve.mean.at(1);
+  const Estimate &rms = curve.nodes.at(1).eps, &mean = curve.nodes.at(1).mean;
   // 200 that scatter by .1; the curve may bend
-  EXPECT_NEAR(rms.eps.value, std::hypot(0.6, 0.1), 4.0 * *rms.eps.se);
-  EXPECT_NEAR(mean.eps.value, 0.6, 4.0 * *mean.eps.se);
-  EXPECT_NEAR(rms.eps.value - mean.eps.value, std::hypot(0.6, 0.1) - 0.6, 2e-3);  // the variance to a tenth, twice
+  EXPECT_NEAR(rms.value, std::hypot(0.6, 0.1), 4.0 * *rms.se);
+  EXPECT_NEAR(mean.value, 0.6, 4.0 * *mean.se);
+  EXPECT_NEAR(std::sqrt(curve.covariance.at(1).at(1)) / *mean.se, 1.0, 0.1);  // half of the interval that holds 68 %
+  EXPECT_NEAR(rms.value - mean.value, std::hypot(0.6, 0.1) - 0.6, 2e-3);  // the variance to a tenth, twice
 }
 
 TEST(SmoothCurve, BetweenPointsAndNodesIsOneCurve) {
   const Curve curve = smooth(drops_by([](int, double v) { return 0.8 - 0.03 * std::log(v); }, 5, 12, 0.003, 5)).curve();
-  ASSERT_EQ(curve.points.size(), 25u);
+  ASSERT_EQ(curve.points.size(), 15u);
   ASSERT_EQ(curve.end_changes.size(), 2u);
   const double middle = curve.nodes.at(1).eps.value;
   EXPECT_NEAR(curve.end_changes[0].value, curve.points.front().y - middle, 1e-4);  // medians of sums
   EXPECT_NEAR(curve.end_changes[1].value, curve.points.back().y - middle, 1e-4);
-  for (const NodeEstimate& node : curve.nodes) {
+  for (const CurveNode& node : curve.nodes) {
     const auto after =
         std::find_if(curve.points.begin(), curve.points.end(), [&](const CurvePoint& p) { return p.x >= node.v_mps; });
     ASSERT_TRUE(after != curve.points.begin() && after != curve.points.end());
@@ -139,7 +140,7 @@ TEST(LawBesideTheCurve, ThatIsWrongHasAMisfitAndNoConstants) {
     EXPECT_NE(result.constants.message.find("does not describe these bounces"), std::string::npos);
     // the curve is there all the same
     ASSERT_TRUE(result.curve);
-    for (const NodeEstimate& node : result.curve->nodes)
+    for (const CurveNode& node : result.curve->nodes)
       EXPECT_NEAR(node.eps.value, std::hypot(kinked(node.v_mps), 0.004), 4.0 * *node.eps.se) << run;
     // where it is off, and to which side: constants lie in the middle of what falls
     const LawMisfit& misfit = *result.law.misfit;

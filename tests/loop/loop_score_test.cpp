@@ -15,7 +15,7 @@ fit::FitResult fit_with(double eps, double a2) {
   window.v_mps = 0.6;
   window.slope_rising = fit::normal_estimate(500.0, 10.0);
   fit.histograms = {window};
-  fit.law.curve = {{0.5, eps, {}}};
+  fit.curve.emplace().points = {{0.5, eps, {}}};
   return fit;
 }
 

@@ -40,7 +40,7 @@ TEST(PlainAnswer, SaysEpsAtTheMiddleSpeedWhereItChangesAndWhatEnergyIsLost) {
   const FitInWords words = in_words(result, samples);
   const PlainAnswer& answer = words.answer;
   ASSERT_TRUE(answer.at);
-  const NodeEstimate& middle = result.curve->nodes.at(1);
+  const CurveNode& middle = result.curve->nodes.at(1);
   EXPECT_EQ(answer.at->v_mps, middle.v_mps);
   EXPECT_EQ(answer.at->eps.value, middle.eps.value);
   // of <eps^2>, which eps is the root of: one number, whatever the scatter

@@ -172,7 +172,7 @@ std::string describe(const fit::Recordings& recordings, bool with_memory) {
 std::string describe_curve(const fit::FitResult& result) {
   std::string text;
   if (result.curve)
-    for (const fit::NodeEstimate& node : result.curve->nodes)
+    for (const fit::CurveNode& node : result.curve->nodes)
       text += fmt::format("ε({:.3g} m/s) = {}\n", node.v_mps, with_error(node.eps));
   // what the impacts say when they are taken as independent, behind what the fit with memory says
   const bool with_memory = result.constants.with_memory;
@@ -182,11 +182,8 @@ std::string describe_curve(const fit::FitResult& result) {
       text += fmt::format(
           "{} = {}{}\n", constants[k].name, with_error(constants[k].estimate),
           with_memory ? "; impacts taken as independent: " + with_error(result.law.parameters[k].estimate) : "");
-  const auto& misfit = result.law_viscoelastic.misfit;
-  for (const fit::NamedEstimate& p : result.law_viscoelastic.parameters)
-    if (p.estimate.identified && !(misfit && misfit->ln_bayes_factor > fit::kStrongBayesFactor))
-      text += fmt::format("{} = {}{}\n", p.name, with_error(p.estimate),
-                          with_memory ? ", impacts taken as independent" : "");
+  if (const auto& gamma = result.constants.gamma)
+    text += fmt::format("gamma = {}{}\n", with_error(*gamma), with_memory ? ", impacts taken as independent" : "");
   return text;
 }
 

@@ -44,8 +44,7 @@ std::string content_if_there(const fs::path& path, std::vector<fs::path>& inputs
 std::string fit_if_there(const fs::path& path, std::vector<fs::path>& inputs) {
   std::string content = content_if_there(path, inputs);
   if (content.empty()) return content;
-  const nlohmann::json fit = nlohmann::json::parse(content);
-  if (!fit.is_object() || !fit.contains("law"))
+  if (!is_fit(content))
     throw FileError(path.string(), "is no result of a fit; make it anew (bouncelab fit, analyze or loop)");
   refuse_older_fit(content, path.string());
   return content;

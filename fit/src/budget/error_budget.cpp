@@ -171,14 +171,9 @@ BudgetRow budget_row(std::span<const BinMember> bin, const LawFit& law, const Bu
     row.spread_timing_lag1 = *timing->sigma_s * std::sqrt(1.0 + (1.0 + eps) * (1.0 + eps) + eps * eps) / interval_s;
   if (law.scatter) {
     const double below = law.scatter->below(row.v_mps), above = law.scatter->above(row.v_mps);
-    row.spread_asperities =
-        law.method == LawMethod::least_squares ? below : hypot(hypot(below, above), law.scatter->normal(row.v_mps));
-    row.mean_minus_peak = law.method == LawMethod::asymmetric_laplace ? law.scatter->mean_minus_peak(row.v_mps) : 0.0;
+    row.spread_asperities = hypot(hypot(below, above), law.scatter->normal(row.v_mps));
+    row.mean_minus_peak = law.scatter->mean_minus_peak(row.v_mps);
   }
-  const auto point = std::min_element(law.curve.begin(), law.curve.end(), [&](const auto& a, const auto& b) {
-    return std::abs(a.x - row.v_mps) < std::abs(b.x - row.v_mps);
-  });
-  if (point != law.curve.end()) row.se_curve = point->se;
   row.shift_drag = config.drag != Effect::absent ? shift_by_drag(row.v_mps, eps, config) : 0.0;
   row.shift_contact_time = config.contact_time != Effect::absent ? shift_by_contact_time(row.v_mps, eps, config) : 0.0;
   if (config.travel_time == Effect::present)

@@ -16,7 +16,7 @@
 namespace bouncelab::fit {
 namespace {
 
-constexpr std::size_t kGrid = 25;  // speeds of the picture
+constexpr std::size_t kGrid = 15;  // speeds of the picture
 
 /// Below which 10, 50 and 90 % of the speeds lie; one where all are nearly one.
 std::vector<double> nodes_of(const Eigen::VectorXd& x) {
@@ -272,6 +272,17 @@ static Estimate stated(const std::vector<NormalPart>& parts, const std::vector<s
   return e;
 }
 
+/// Of the mean of eps at two speeds.
+double SmoothCurve::covariance(const Sum& sum, std::size_t j, std::size_t k) {
+  const auto a = static_cast<Eigen::Index>(j), b = static_cast<Eigen::Index>(k);
+  double mean_a = 0.0, mean_b = 0.0, products = 0.0;
+  for (const Term& term : sum.terms) {
+    mean_a += term.weight * term.mean[a], mean_b += term.weight * term.mean[b];
+    products += term.weight * (term.low.col(a).dot(term.low.col(b)) + term.mean[a] * term.mean[b]);
+  }
+  return products - mean_a * mean_b;
+}
+
 void SmoothCurve::describe(const RestitutionSamples& samples) {
   Sum sum = summed();
   const bool has_curve = hi_ - lo_ >= log(kOneSpeed);
@@ -308,17 +319,15 @@ void SmoothCurve::describe(const RestitutionSamples& samples) {
   };
   const std::size_t middle = sum.n_nodes / 2;
   const auto change_of = [&](std::size_t j) {
-    if (j == middle) return normal_estimate(0.0, 0.0);
     const Quantity difference{{{static_cast<Eigen::Index>(j), 1.0}, {static_cast<Eigen::Index>(middle), -1.0}}, 0.0};
     return stated(
         parts(difference, [&](const Term& term, NormalPart& part) { part.mean = rms(term, j) - rms(term, middle); }),
         sum.balls, -1.0, 1.0);
   };
   for (std::size_t j = 0; j < sum.n_nodes; ++j) {
-    const double v_mps = nodes_mps_[j];
-    curve_.nodes.push_back({v_mps, eps_at(j)});
-    curve_.mean.push_back({v_mps, stated(parts(of_mean(j), as_is), sum.balls, 0.0, 1.0)});
-    curve_.changes.push_back(change_of(j));
+    curve_.nodes.push_back({nodes_mps_[j], eps_at(j), stated(parts(of_mean(j), as_is), sum.balls, 0.0, 1.0), {}});
+    curve_.covariance.emplace_back();
+    for (std::size_t k = 0; k < sum.n_nodes; ++k) curve_.covariance.back().push_back(covariance(sum, j, k));
   }
   for (std::size_t j = sum.n_nodes; j < sum.n_shown; ++j) {
     const Estimate e = eps_at(j);
@@ -347,10 +356,7 @@ void SmoothCurve::describe_scatter(const Sum& sum) {
 void SmoothCurve::describe_deviation(const Sum& sum) {
   const AirAndContact& best = known();
   const auto middle = static_cast<Eigen::Index>(sum.n_nodes / 2);
-  double mean_eps = 0.0, variance = 0.0;
-  for (const Term& term : sum.terms) mean_eps += term.weight * term.mean[middle];
-  for (const Term& term : sum.terms)
-    variance += term.weight * (term.low.col(middle).squaredNorm() + square(term.mean[middle] - mean_eps));
+  const double variance = covariance(sum, sum.n_nodes / 2, sum.n_nodes / 2);
   // ln kappa and ln tau at 1 m/s over the places that have them; where they are at the likeliest place
   struct Moments {
     double mean = 0.0, variance = 0.0, within = 0.0, with_eps = 0.0, at_best = 0.0;  ///< within: of a term alone

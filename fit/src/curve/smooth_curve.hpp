@@ -55,6 +55,7 @@ class SmoothCurve {
 
   Sum summed() const;
   void place_at_speeds(Sum& sum) const;
+  static double covariance(const Sum& sum, std::size_t j, std::size_t k);
   void describe(const RestitutionSamples& samples);
   void describe_scatter(const Sum& sum);
   void describe_deviation(const Sum& sum);

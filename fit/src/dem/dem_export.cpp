@@ -213,15 +213,15 @@ void add_viscoelastic(DemExport& result, const Decks& base, const CurveWithScatt
 
 std::optional<DemExport> dem_export(const Curve& curve, const std::optional<ScatterModel>& scatter, double v_mps,
                                     const std::optional<Ball>& ball, const std::optional<Material>& plate,
-                                    const MemoryFit* memory) {
+                                    const std::optional<DemMemory>& memory) {
   CurveWithScatter fit{curve.points, scatter};
-  const auto add_node = [&](const NodeEstimate& node) {
+  const auto add_node = [&](const CurveNode& node) {
     fit.points.push_back({node.v_mps, node.eps.value, node.eps.ci95, node.eps.se});
   };
   if (fit.points.empty()) add_node(curve.nodes[curve.nodes.size() / 2]);  // of one speed
   const double slowest = fit.slowest(), fastest = fit.fastest();
   // one ε at one speed: what the answer says, not what lies between two points of the picture
-  for (const NodeEstimate& node : curve.nodes)
+  for (const CurveNode& node : curve.nodes)
     if (node.v_mps > slowest && node.v_mps < fastest && fit.nearest(node.v_mps).x != node.v_mps) add_node(node);
   std::sort(fit.points.begin(), fit.points.end(), [](const CurvePoint& a, const CurvePoint& b) { return a.x < b.x; });
   DemExport result;
@@ -253,9 +253,9 @@ std::optional<DemExport> dem_export(const Curve& curve, const std::optional<Scat
   decks.about = at + ball_line;
   add_viscoelastic(result, decks, fit, off_constant);
   if (scatter && fastest > slowest) add(independent_samplers(scatter_rows(fit), "two exponentials with a normal part"));
-  if (memory && memory->law && !memory->curve.empty())
-    result.snippets.push_back(sampler_with_memory(*memory->law, memory->roughness.q.value, memory->curve.front().x,
-                                                  memory->curve.back().x, "law and q of the fit with memory"));
+  if (memory)
+    result.snippets.push_back(
+        sampler_with_memory(memory->law, memory->q, slowest, fastest, "law and q of the fit with memory"));
   return result;
 }
 

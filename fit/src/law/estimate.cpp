@@ -25,8 +25,6 @@ const char* to_string(FitStatus status) {
   return "unknown";
 }
 
-const char* to_string(IntervalMethod method) { return method == IntervalMethod::profile ? "profile" : "covariance"; }
-
 const char* to_string(ErrorBasis basis) {
   switch (basis) {
     case ErrorBasis::independent_samples:
@@ -45,7 +43,6 @@ Estimate normal_estimate(double value, double se, double reach68, double reach95
   estimate.se = se;
   estimate.ci68 = Interval{value - reach68 * se, value + reach68 * se};
   estimate.ci95 = Interval{value - reach95 * se, value + reach95 * se};
-  estimate.interval_method = IntervalMethod::covariance;
   return estimate;
 }
 

@@ -124,18 +124,6 @@ const char* to_string(LawKind kind) {
   return "unknown";
 }
 
-const char* to_string(LawMethod method) {
-  switch (method) {
-    case LawMethod::asymmetric_laplace:
-      return "asymmetric_laplace";
-    case LawMethod::least_squares:
-      return "least_squares";
-    case LawMethod::least_absolute:
-      return "least_absolute";
-  }
-  return "unknown";
-}
-
 namespace {
 double scale_at(const std::vector<double>& c, double x) {
   double sum = 0.0;
@@ -152,7 +140,6 @@ LawFit fitted_law(const RestitutionSamples& samples, const OrderedSamples& order
   fit.n = data.size();
   const LawFitConfig config = for_these(asked, data, fit.notes);
   fit.kind = config.kind;
-  fit.method = config.method;
   fit.message = reason_not_to_fit(data, fit.status);
   if (!fit.message.empty()) return fit;
 

@@ -104,23 +104,6 @@ void describe_nodes(LawFit& fit, const LawModel& model, const ParameterCovarianc
   fit.node_correlation = to_matrix(correlation_of(node_covariance));
 }
 
-void describe_curve(LawFit& fit, const LawLikelihood& likelihood, const ParameterCovariance& known) {
-  const Eigen::VectorXd& q = known.q;
-  const LawModel& model = likelihood.model();
-  constexpr std::size_t kPoints = 80;
-  const auto& v = likelihood.data().v_mps;
-  std::vector<double> speeds;
-  for (std::size_t k = 0; k < kPoints; ++k)
-    speeds.push_back(v.front() * pow(v.back() / v.front(), static_cast<double>(k) / (kPoints - 1)));
-  const Eigen::MatrixXd rows = model.jacobian(speeds, q);
-  const Eigen::VectorXd eps = model.eps(speeds, q);
-  for (std::size_t k = 0; k < kPoints; ++k) {
-    const auto i = static_cast<Eigen::Index>(k);
-    const Estimate e = known.estimate(eps[i], rows.row(i));
-    fit.curve.push_back({speeds[k], eps[i], e.ci95, e.se});
-  }
-}
-
 void describe_goodness(LawFit& fit, const LawLikelihood& likelihood, const Maximum& maximum) {
   const double n_parameters = static_cast<double>(fit.n_parameters), n = static_cast<double>(fit.n);
   fit.loglik = maximum.loglik;
@@ -163,7 +146,6 @@ void profile_all(LawFit& fit, const LawLikelihood& likelihood, const Maximum& ma
     };
     e.ci68 = ordered(offsets->offset68);
     e.ci95 = ordered(offsets->offset95);
-    e.interval_method = IntervalMethod::profile;
   };
   const Eigen::MatrixXd rows = model.reported_jacobian(q);
   for (std::size_t i = 0; i < fit.parameters.size(); ++i)
@@ -238,7 +220,6 @@ void describe_fit(LawFit& fit, const LawLikelihood& likelihood, const Maximum& m
   fit.law = likelihood.model().law(known.q);
   describe_parameters(fit, likelihood, known);
   describe_nodes(fit, likelihood.model(), known, node_speeds_mps);
-  describe_curve(fit, likelihood, known);
   describe_goodness(fit, likelihood, maximum);
   if (intervals == IntervalMethod::profile && maximum.converged)
     profile_all(fit, likelihood, maximum, found.white, found.by_drop);

@@ -181,18 +181,6 @@ std::vector<std::size_t> numbers_of_terms(const LawFitConfig& config, std::size_
   return {3, 2, 1};
 }
 
-ScatterFamily scatter_family(LawMethod method, std::size_t n_terms, double v_ref_mps) {
-  switch (method) {
-    case LawMethod::asymmetric_laplace:
-      return {ScatterKind::normal_laplace, n_terms, v_ref_mps, kLostShare};
-    case LawMethod::least_absolute:
-      return {ScatterKind::symmetric_laplace, n_terms, v_ref_mps};
-    case LawMethod::least_squares:
-      break;
-  }
-  return {ScatterKind::normal, n_terms, v_ref_mps};
-}
-
 /// The metric of a poor start may be poor: once more from where it led.
 Maximum maximise_twice(const LawLikelihood& likelihood, const Eigen::VectorXd& start) {
   const LogLikelihood function = [&](const Eigen::VectorXd& x, Eigen::VectorXd* g) { return likelihood(x, g); };
@@ -230,25 +218,16 @@ Maximum maximise_from_some(const LawLikelihood& likelihood, const Eigen::VectorX
 
 namespace {
 
-/// At all samples where timing errors are widened by what is seen.
-std::optional<FirstLook> look_for(LawMethod method, const LawData& data, const LawModel& model) {
-  const std::optional<LawData> some = method == LawMethod::least_squares ? some_of(data) : std::nullopt;
-  return first_look(some ? *some : data, model);
-}
-
 /// @param start  of the samples themselves: the timing errors are widened by it
 /// @param near   where the search begins, if it is known better
 Candidate fit_family(const LawData& data, const LawModel& model, const ScatterFamily& family,
                      const Eigen::VectorXd& start, const Eigen::VectorXd* near = nullptr) {
   Candidate candidate{family, data, {}};
-  if (family.is_two_sided()) {
-    const Eigen::Index below = model.n_parameters(), above = below + static_cast<Eigen::Index>(family.n_terms);
-    candidate.family.log_size = 0.5 * (start[below] + start[above]);
-  }
+  const Eigen::Index below = model.n_parameters(), above = below + static_cast<Eigen::Index>(family.n_terms);
+  candidate.family.log_size = 0.5 * (start[below] + start[above]);
   const auto n = static_cast<double>(data.size());
-  if (family.kind != ScatterKind::normal)
-    widen(candidate.data, scatter_model_of(start, model.n_parameters(), family),
-          std::sqrt(static_cast<double>(model.n_parameters()) / n));
+  widen(candidate.data, scatter_model_of(start, model.n_parameters(), family),
+        std::sqrt(static_cast<double>(model.n_parameters()) / n));
   const LawLikelihood likelihood(candidate.data, model, candidate.family);
   candidate.maximum = near ? maximise_from_near(likelihood, *near) : maximise_from_some(likelihood, start);
   candidate.bic = static_cast<double>(likelihood.n_parameters()) * log(n) - 2.0 * candidate.maximum.loglik;
@@ -290,10 +269,10 @@ bool surely_no_large_part(const LawData& data, const LawModel& model, const Scat
 
 std::optional<Candidate> best_candidate(const LawData& data, const LawModel& model, const LawFitConfig& config) {
   std::optional<Candidate> best;
-  const std::optional<FirstLook> look = look_for(config.method, data, model);
+  const std::optional<FirstLook> look = first_look(data, model);
   if (!look) return best;
   for (const std::size_t n_terms : numbers_of_terms(config, data.size())) {
-    ScatterFamily family = scatter_family(config.method, n_terms, data.v_mps[data.size() / 2]);
+    ScatterFamily family{ScatterKind::normal_laplace, n_terms, data.v_mps[data.size() / 2], kLostShare};
     if (best) family.kind = best->family.kind;  // whatever the widths do
     Eigen::VectorXd start = start_values(*look, family);
     const bool undecided = !best && family.kind == ScatterKind::normal_laplace && data.size() >= kManySamples;
@@ -316,7 +295,7 @@ std::optional<Candidate> best_candidate(const LawData& data, const LawModel& mod
 std::optional<Candidate> again_without_outliers(const LawData& data, const LawModel& model, const LawFitConfig& config,
                                                 const Candidate& before) {
   if (data.size() < kVeryMany || !before.maximum.converged) return best_candidate(data, model, config);
-  const std::optional<FirstLook> look = look_for(config.method, data, model);
+  const std::optional<FirstLook> look = first_look(data, model);
   if (!look) return std::nullopt;
   return fit_family(data, model, before.family, start_values(*look, before.family), &before.maximum.x);
 }

@@ -216,10 +216,7 @@ std::size_t rank_with_offsets(const LawData& data, const LawModel& model, const 
 }
 
 ScatterFamily family_of(const LawFit& pooled) {
-  const ScatterKind kind = pooled.method == LawMethod::asymmetric_laplace ? ScatterKind::normal_laplace
-                           : pooled.method == LawMethod::least_absolute   ? ScatterKind::symmetric_laplace
-                                                                          : ScatterKind::normal;
-  return {kind, pooled.scatter->log_below.size(), pooled.scatter->v_ref_mps};
+  return {ScatterKind::normal_laplace, pooled.scatter->log_below.size(), pooled.scatter->v_ref_mps};
 }
 
 /// Of one curve and one scatter, and of offsets by recording or drop beside them.
@@ -254,9 +251,8 @@ std::optional<Likelihoods> likelihoods(const Compared& samples, const LawModel& 
   LawData data = samples.data;
   const Eigen::VectorXd start = start_values(data, model, family);
   if (start.size() == 0) return std::nullopt;
-  if (family.kind != ScatterKind::normal)
-    widen(data, scatter_model_of(start, model.n_parameters(), family),
-          std::sqrt(static_cast<double>(model.n_parameters()) / static_cast<double>(data.size())));
+  widen(data, scatter_model_of(start, model.n_parameters(), family),
+        std::sqrt(static_cast<double>(model.n_parameters()) / static_cast<double>(data.size())));
   const LawLikelihood likelihood(data, model, family);
   const Maximum one = maximise([&](const Eigen::VectorXd& x, Eigen::VectorXd* g) { return likelihood(x, g); }, start,
                                likelihood.information(start), kSearch);

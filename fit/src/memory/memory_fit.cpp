@@ -199,18 +199,6 @@ void describe_law(MemoryFit& fit, const LawModel& model, const Posterior& poster
   };
   if (nodes_mps.empty()) nodes_mps = node_speeds(speeds);
   for (const double v : nodes_mps) fit.nodes.push_back({v, estimate_of(posterior, eps_at(v))});
-  const Eigen::MatrixXd nodes = covariance_of(posterior, model.jacobian(nodes_mps, q));
-  fit.node_correlation = to_matrix(correlation_of(nodes));
-  constexpr int kPoints = 40;
-  const auto [lo, hi] = std::minmax_element(speeds.begin(), speeds.end());
-  std::vector<double> grid;
-  for (int k = 0; k <= kPoints; ++k) grid.push_back(*lo + (*hi - *lo) * k / kPoints);
-  const Eigen::VectorXd eps = model.eps(grid, q);
-  const Eigen::MatrixXd rows = model.jacobian(grid, q);
-  for (Eigen::Index k = 0; k <= kPoints; ++k) {
-    const Estimate here = normal_estimate(eps[k], std::sqrt(covariance_of(posterior, rows.row(k))(0, 0)));
-    fit.curve.push_back({grid[static_cast<std::size_t>(k)], here.value, here.ci95, here.se});
-  }
   fit.law = model.law(q);
 }
 

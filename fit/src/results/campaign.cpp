@@ -13,9 +13,9 @@ namespace {
 
 Object pooled_law(const BetweenRecordings& between) {
   using B = BetweenRecordings;
-  static constexpr Member law[]{member<&B::kind>("kind", "As of a law"), estimates_by_name<B>(),
-                                member<&B::correlation>("correlation", "As of a law"),
-                                member<&B::nodes>("nodes", "As of a law"),
+  static constexpr Member law[]{member<&B::kind>("kind", "`series`, `viscoelastic` or `constant`"), estimates_by_name<B>(),
+                                member<&B::correlation>("correlation", "Matrix by rows"),
+                                member<&B::nodes>("nodes", "ε of the law at some speeds: `[{v_mps, eps, se, ci95}]`"),
                                 computed(
                                     "curve",
                                     [](const B& b) {
@@ -27,7 +27,7 @@ Object pooled_law(const BetweenRecordings& between) {
                                       }
                                       return points;
                                     },
-                                    "As of a law, with the interval in which one more recording is expected")};
+                                    "`[{v_mps, eps, lo95, hi95}]`, with the interval in which one more recording is expected")};
   return object_of(law, &between);
 }
 
@@ -118,7 +118,7 @@ Description members_of(const GroupLaw*) {
   static constexpr Member all[]{
       member<&G::name>("name", "The plate or the recording"), member<&G::n>("n", "Samples fitted"),
       member<&G::n_units>("n_units", "Drops or recordings, see `unit`"),
-      member<&G::nodes>("nodes", "As of a law, at speeds that all groups share"), estimates_by_name<G>()};
+      member<&G::nodes>("nodes", "ε of the law at speeds that all groups share"), estimates_by_name<G>()};
   return all;
 }
 

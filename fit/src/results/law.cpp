@@ -31,14 +31,11 @@ Description members_of(const Estimate*) {
       member<&E::se>("se", "Standard error: by drop or of independent samples, as the fit's `drops` says"),
       member<&E::se_independent>(
           "se_independent",
-          "Where `se` is by drop or by sample: from the expected Fisher information, if samples were independent; "
-          "else `null`"),
-      member<&E::ci68>("ci68", "`[lo, hi]`, 68.27 % confidence interval, of the same kind as `se`"),
-      member<&E::ci95>("ci95", "95 % confidence interval"),
-      computed(
-          "intervals", [](const E& e) { return e.interval_method ? to_string(*e.interval_method) : ""; },
-          "How they were made: `profile` or `covariance`"),
-      member<&E::bootstrap>("bootstrap", "`null`, or `{se, ci68, ci95, n_replicates}` by drop (`--bootstrap`)"),
+          "Where `se` is by drop or by sample: from the expected Fisher information, if samples were independent")
+          .left_out_where_unknown(),
+      member<&E::ci95>("ci95", "`[lo, hi]`, 95 % confidence interval, of the same kind as `se`"),
+      member<&E::bootstrap>("bootstrap", "`{se, ci68, ci95, n_replicates}` by drop, with `--bootstrap`")
+          .left_out_where_unknown(),
       member<&E::identified>("identified", "`false`: these data do not determine it")};
   return all;
 }
@@ -48,10 +45,24 @@ Description members_of(const NodeEstimate*) {
   static constexpr Member all[]{member<&N::v_mps>("v_mps", "Speed"),
                                 member<&N::eps, &Estimate::value>("eps", "ε there"),
                                 member<&N::eps, &Estimate::se>("se", "Its standard error, as of an estimate"),
-                                member<&N::eps, &Estimate::se_independent>("se_independent", "As of an estimate"),
-                                member<&N::eps, &Estimate::ci68>("ci68", "68.27 % confidence interval of ε"),
-                                member<&N::eps, &Estimate::ci95>("ci95", "95 % confidence interval of ε"),
-                                member<&N::eps, &Estimate::bootstrap>("bootstrap", "As of an estimate")};
+                                member<&N::eps, &Estimate::ci95>("ci95", "95 % confidence interval of ε")};
+  return all;
+}
+
+Description members_of(const CurveNode*) {
+  using N = CurveNode;
+  static constexpr Member all[]{
+      member<&N::v_mps>("v_mps", "Speed"),
+      member<&N::eps, &Estimate::value>("eps", "ε there, root mean square: √⟨ε²⟩"),
+      member<&N::eps, &Estimate::se>("se", "Its standard error"),
+      member<&N::eps, &Estimate::ci95>("ci95", "Its 95 % interval"),
+      member<&N::mean, &Estimate::value>("mean", "⟨ε⟩ there"),
+      member<&N::mean, &Estimate::se>("mean_se", "Its standard error"),
+      computed(
+          "peak", [](const N& n) { return n.peak ? std::optional(n.peak->value) : std::nullopt; },
+          "The most frequent ε; `null` where the density of the scatter was not fitted"),
+      computed(
+          "peak_se", [](const N& n) { return n.peak ? n.peak->se : std::nullopt; }, "Its standard error")};
   return all;
 }
 
@@ -78,13 +89,6 @@ Description members_of(const AndersonDarling*) {
 Description members_of(const ScatterModel*) {
   using S = ScatterModel;
   static constexpr Member all[]{
-      computed(
-          "form",
-          [](const S&) {
-            return "log b = sum_k c_k log(v/v_ref)^k, b the means of two exponentials; convolved with a normal of "
-                   "normal_ratio sqrt(b_below b_above)";
-          },
-          "The formula: two exponentials and a normal part; the law is the peak of the sum"),
       member<&S::v_ref_mps>("v_ref_mps", "v_ref"),
       member<&S::log_below>("log_below", "c_k of b below the peak, the rising side"),
       member<&S::log_above>("log_above", "c_k of b above it, the falling side"),
@@ -108,54 +112,7 @@ Description members_of(const LawComparison*) {
   using C = LawComparison;
   static constexpr Member all[]{member<&C::name>("name", "The law's constants"),
                                 member<&C::n_parameters>("n_parameters", "Of law and scatter"),
-                                member<&C::loglik>("loglik", "Log-likelihood"),
-                                member<&C::aic>("aic", "AIC"),
-                                member<&C::bic>("bic", "BIC"),
-                                member<&C::delta_aic>("delta_aic", "AIC less the least of the list"),
-                                member<&C::delta_bic>("delta_bic", "Likewise")};
-  return all;
-}
-
-Description members_of(const LawFit*) {
-  using F = LawFit;
-  static constexpr Member all[]{
-      member<&F::status>("status", "How the fit ended"),
-      member<&F::message>("message", "In words, empty where all is well"),
-      member<&F::kind>("law", "`series`, `viscoelastic` or `constant`"),
-      member<&F::method>("method", "`asymmetric_laplace`, `least_squares` or `least_absolute`"),
-      member<&F::n>("n", "Samples"),
-      member<&F::drops>("drops", "Their number, and what `se`, intervals and covariances rest on"),
-      computed(
-          "n_outliers", [](const F& f) { return f.outliers.size(); },
-          "Samples left out as lost bounces (more likely than scatter)"),
-      member<&F::n_parameters>("n_parameters", "Of law and scatter"),
-      estimates_by_name<F>(),
-      member<&F::correlation>("correlation", "Matrix by rows"),
-      member<&F::covariance>("covariance", "Matrix by rows"),
-      member<&F::condition_number>("condition_number", "Of the correlation matrix"),
-      member<&F::nodes>("nodes",
-                        "ε of the law, at the nodes of `curve`: the peak by `asymmetric_laplace`, the mean by "
-                        "`least_squares`, the median by `least_absolute`"),
-      member<&F::node_correlation>("node_correlation", "Matrix by rows"),
-      member<&F::scatter>("scatter", "Of the samples about the law, see below"),
-      member<&F::loglik>("loglik", "Log-likelihood"),
-      member<&F::aic>("aic", "AIC"),
-      member<&F::bic>("bic", "BIC"),
-      member<&F::chi2>("chi2", "Pearson's test of the probability transforms"),
-      member<&F::ndf>("ndf", "Its degrees of freedom"),
-      member<&F::p_value>("p_value", "Its p"),
-      member<&F::anderson_darling>("anderson_darling", "`null`, or `{a2, p_value, n_replicates}`"),
-      member<&F::curve>("curve", "`[{v_mps, eps, lo95, hi95}]` of the law, as `nodes`"),
-      member<&F::misfit>("misfit", "`null`, or how it compares with the smooth curve, see below"),
-      member<&F::residuals>("residuals", "Bins of speed, see below")};
-  return all;
-}
-
-Description members_of(const Snippet*) {
-  static constexpr Member all[]{member<&Snippet::program>("program", "Which code it is for"),
-                                member<&Snippet::model>("model", "`constant`, `viscoelastic`; `fluctuating`, `memory`"),
-                                member<&Snippet::parameter>("parameter", "Which of its parameters"),
-                                member<&Snippet::text>("text", "A whole input, or a function")};
+                                member<&C::delta_aic>("delta_aic", "AIC less the least of the list")};
   return all;
 }
 
@@ -165,14 +122,11 @@ Description members_of(const DemExport*) {
       member<&D::v_mps>("v_mps", "Speed of the simulated collisions"),
       member<&D::eps>("eps", "√⟨ε²⟩ there, root mean square"),
       member<&D::se>("se", "Its standard error"),
-      member<&D::mean>("mean", "⟨ε⟩ there"),
-      member<&D::peak>("peak", "Peak of p(ε) there"),
       member<&D::gamma>("gamma",
                         "γ of the viscoelastic sphere with that ε there; `null` where it does not fit "
                         "at other speeds"),
       member<&D::ball>("ball", "Ball and plate whose contact the inputs have"),
-      member<&D::warning>("warning", "How far ε moves over the speeds of the data; why `gamma` is `null`"),
-      member<&D::snippets>("snippets", "`[{program, model, parameter, text}]`")};
+      member<&D::warning>("warning", "How far ε moves over the speeds of the data; why `gamma` is `null`")};
   return all;
 }
 
@@ -198,9 +152,9 @@ Description members_of(const RecordingFit*) {
       member<&R::recording>("recording", "Its name"),
       member<&R::status>("status", "How its fit ended"),
       member<&R::message>("message", "In words, empty where all is well"),
-      member<&R::kind>("law", "As of a law"),
+      member<&R::kind>("law", "`series`, `viscoelastic` or `constant`"),
       member<&R::n>("n", "Samples fitted"),
-      member<&R::n_outliers>("n_outliers", "As of a law"),
+      member<&R::n_outliers>("n_outliers", "Samples left out as lost bounces"),
       member<&R::n_drops>("n_drops", "Its drops"),
       member<&R::v_lo_mps>("v_lo_mps", "Its speeds"),
       member<&R::v_hi_mps>("v_hi_mps", "Likewise"),
@@ -210,7 +164,7 @@ Description members_of(const RecordingFit*) {
           "standard error takes curve, scatter and independence as given)"),
       member<&R::nodes>(
           "nodes",
-          "As of a law: at the nodes of the pooled law that lie within this recording's speeds, else at its median "
+          "ε of its law, the peak: at the nodes that lie within this recording's speeds, else at its median "
           "speed"),
       estimates_by_name<R>()};
   return all;
@@ -220,11 +174,9 @@ Description members_of(const Curve*) {
   using C = Curve;
   static constexpr Member all[]{
       member<&C::nodes>("nodes",
-                        "ε at each node, root mean square: √⟨ε²⟩; by default at the speeds below which 10, 50 and 90 % "
-                        "of the samples lie, to two digits"),
-      member<&C::mean>("mean", "⟨ε⟩ at the nodes"),
-      member<&C::peak>("peak", "The most frequent ε at the nodes; empty where its density was not fitted"),
-      member<&C::changes>("changes", "Difference of ε at each node from that at the middle one"),
+                        "`[{v_mps, eps, se, ci95, mean, mean_se, peak, peak_se}]`, by default at the speeds below which "
+                        "10, 50 and 90 % of the samples lie, to two digits"),
+      member<&C::covariance>("covariance", "Of the mean of ε at the nodes, matrix by rows"),
       member<&C::points>("points",
                          "`[{v_mps, eps, lo95, hi95}]` from the slowest bounce to the fastest; empty of one speed "
                          "alone"),
@@ -260,10 +212,12 @@ Description members_of(const Constants*) {
   static constexpr Member all[]{
       member<&C::status>("status", "How their fit ended; `not_applicable` where the law does not describe the samples"),
       member<&C::message>("message", "In words, empty where all is well"),
-      member<&C::with_memory>("with_memory", "By the fit with memory"),
+      member<&C::with_memory>("with_memory", "By the fit with memory; else impacts are taken as independent"),
       estimates_by_name<C>(),
       member<&C::covariance>("covariance", "Matrix by rows"),
-      member<&C::correlation>("correlation", "Matrix by rows")};
+      member<&C::gamma>("gamma",
+                        "γ of a viscoelastic sphere, an estimate, impacts taken as independent; `null` where none "
+                        "describes the samples")};
   return all;
 }
 
@@ -286,17 +240,49 @@ Description members_of(const KindsOfDrops*) {
   return all;
 }
 
+namespace {
+
+/// How well the density that the fit assumes describes the scatter.
+Object goodness_of(const FitResult& result) {
+  constexpr std::size_t kFewestDegrees = 5;  // of fewer chi^2 says nothing
+  const LawFit& law = result.law;
+  const bool is_known = law.ndf && *law.ndf >= kFewestDegrees;
+  return {{"chi2", value_of(is_known ? law.chi2 : std::nullopt)},
+          {"ndf", value_of(is_known ? law.ndf : std::nullopt)},
+          {"p_value", value_of(is_known ? law.p_value : std::nullopt)},
+          {"anderson_darling", value_of(law.anderson_darling)}};
+}
+
+/// One bin alone has nothing to be compared with.
+std::vector<ResidualBin> residuals_of(const FitResult& result) {
+  return result.law.residuals.size() > 1 ? result.law.residuals : std::vector<ResidualBin>{};
+}
+
+std::vector<HistogramFit> fitted_windows(const FitResult& result) {
+  std::vector<HistogramFit> fitted;
+  for (const HistogramFit& window : result.histograms)
+    if (window.peak_eps) fitted.push_back(window);
+  return fitted;
+}
+
+}  // namespace
+
 Description members_of(const FitResult*) {
   using F = FitResult;
   static constexpr Member all[]{
-      member<&F::constants, &Constants::status>("status", "That of `constants`"),
       member<&F::n_used>("n_used", "Samples fitted"),
       member<&F::n_left_out>("n_left_out", "Reason → number of samples left out"),
       member<&F::curve>("curve", "ε(v), the answer, see below"),
       member<&F::constants>("constants", "Constants of the law as they are stated, see below"),
-      member<&F::law>("law",
-                      "The fit of the law that takes impacts as independent, see below; where `memory` holds, a "
-                      "comparison"),
+      member<&F::law, &LawFit::misfit>(
+          "misfit", "`null`, or how the law compares with the smooth curve: `{ln_bayes_factor, v_mps, off}`"),
+      member<&F::law, &LawFit::comparison>(
+          "laws", "`[{name, n_parameters, delta_aic}]`, the law itself first: other laws of the same samples"),
+      member<&F::law, &LawFit::drops>("drops", "Their number, and what `se` and intervals of constants rest on"),
+      member<&F::law, &LawFit::scatter>("scatter", "Of the samples about the peak, see below"),
+      member<goodness_of>("goodness", "`{chi2, ndf, p_value, anderson_darling}`: is the scatter as the fit assumes? Pearson's test from five "
+               "degrees of freedom on, and `null` or `{a2, p_value, n_replicates}`"),
+      member<residuals_of>("residuals", "Bins of speed, see below; from two on"),
       member<&F::recordings, &Recordings::test>(
           "recordings_test",
           "`null`, or the test whether recordings agree, see [several recordings](#several-recordings)"),
@@ -308,25 +294,19 @@ Description members_of(const FitResult*) {
           "is_one_ball",
           "Recordings and drops are seen to agree, or `--pool` was given; else `answer` and `hand_off` have no value "
           "for all"),
-      member<&F::law_least_squares>("law_least_squares", "The same law by the mean"),
-      member<&F::law_least_absolute>("law_least_absolute", "The same law by the median"),
-      member<&F::law, &LawFit::comparison>(
-          "law_comparison",
-          "`[{name, n_parameters, loglik, aic, bic, delta_aic, delta_bic}]`, the law itself first, differences "
-          "from the least of the list"),
-      member<&F::law_viscoelastic>("law_viscoelastic", "The one-parameter law (`gamma`)"),
-      member<&F::histograms>("histograms", "Windows of speed, see below"),
+      member<fitted_windows>("histograms", "Windows of speed that have enough samples, see below"),
       member<&F::budget>("budget", "Error budget, see below"),
       member<&F::dem_export>(
           "hand_off",
-          "`null`, or `{v_mps, eps, se, mean, peak, gamma, ball, warning, snippets: [{program, model, parameter, "
-          "text}]}`: inputs of discrete-element codes, which `dem` prints"),
+          "`null`, or `{v_mps, eps, se, gamma, ball, warning}`: what `dem` makes inputs of discrete-element codes "
+          "of"),
       member<&F::density>("density",
-                          "Counts of samples: `v_edges_mps`, `eps_edges`, `counts[eps bin][v bin]`, `n_outside`"),
+                          "Counts of samples, of more than 400 (fewer are shown one by one): `v_edges_mps`, "
+                          "`eps_edges`, `counts[eps bin][v bin]`, `n_outside`"),
       member<&F::memory>(
           "memory",
           "With `--method memory`, and by default (`auto`) from 5 drops of 30 impacts on average on, see "
-          "[memory](#memory); then `law` is by `asymmetric_laplace`")
+          "[memory](#memory)")
           .left_out_where_unknown(),
       computed(
           "",

@@ -84,15 +84,10 @@ Description members_of(const MemoryFit*) {
       member<&M::message>("message", "What speaks against the model, empty where nothing does"),
       member<&M::holds>("holds",
                         "The model passes its tests (p above .01 for the transforms, `mechanism`, `by_speed` and "
-                        "`between_drops`) and is likelier than independent impacts. Where not: use `law`"),
+                        "`between_drops`) and is likelier than independent impacts. Else `constants` are of impacts taken as independent"),
       member<&M::n>("n", "Impacts used"),
       member<&M::n_drops>("n_drops", "Drops they are of"),
       member<&M::n_chains>("n_chains", "Pieces of drops without a missing impact"),
-      estimates_by_name<M>(),
-      member<&M::correlation>("correlation", "As of a law"),
-      member<&M::covariance>("covariance", "As of a law"),
-      member<&M::nodes>("nodes", "As of a law, at the same nodes"),
-      member<&M::node_correlation>("node_correlation", "As of a law"),
       where_ok<leak_of>("leak",
                         "Estimate of the share of the reservoir that is lost at each impact, long after the release; 0 "
                         "without tangential losses"),
@@ -110,8 +105,7 @@ Description members_of(const MemoryFit*) {
           "transform_counts",
           [](const M& m) { return std::vector<double>(m.transform_counts.begin(), m.transform_counts.end()); },
           "Impacts by twentieths of the transform: equal, where the model holds"),
-      where_ok<tests_of>("tests", "See below; `null` where `status` is not `ok`"),
-      member<&M::curve>("curve", "As of a law")};
+      where_ok<tests_of>("tests", "See below; `null` where `status` is not `ok`")};
   return all;
 }
 

@@ -122,8 +122,7 @@ Description members_of(const BudgetRow*) {
       member<&B::shift_drag>("shift_drag",
                              "Shift of ε by air drag, which is taken out; `null` where the ball is not known"),
       member<&B::shift_contact_time>("shift_contact_time", "Likewise by the duration of contact"),
-      member<&B::mean_minus_peak>("mean_minus_peak", "What least squares would be off by"),
-      member<&B::se_curve>("se_curve", "Standard error of the law here")};
+      member<&B::mean_minus_peak>("mean_minus_peak", "What least squares would be off by")};
   return all;
 }
 
@@ -135,15 +134,6 @@ Description members_of(const ErrorBudget*) {
       computed(
           "width_law", [](const B& b) { return as_columns(b.width_law, "v_mps", "spread"); },
           "`{v_mps, spread}` at both ends"),
-      computed(
-          "effects",
-          [](const B& b) {
-            Values effects;
-            for (const auto& [name, effect] : b.effects)
-              effects.push_back(Object{{"name", name}, {"state", std::string(to_string(effect))}});
-            return effects;
-          },
-          "`[{name, state}]`; `state` is `absent`, `not taken out` or `taken out`"),
       computed(
           "ball", [](const B& b) { return text_of_ball(b.ball); }, "That the shifts are for; `null`: not named"),
       computed(

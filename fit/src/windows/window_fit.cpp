@@ -23,7 +23,6 @@ Estimate exponential_estimate(double log_value, const QuantityError& error, doub
   };
   e.ci68 = through(error.offset68);
   e.ci95 = through(error.offset95);
-  e.interval_method = error.method;
   return e;
 }
 
@@ -46,7 +45,6 @@ QuantityError quantity_error(const LogLikelihood& function, const WindowFit& fit
   if (const auto profile = profile_intervals(function, fit.maximum, white, direction, levels, curvature)) {
     error.offset68 = profile->offset68;
     error.offset95 = profile->offset95;
-    error.method = IntervalMethod::profile;
   }
   return error;
 }
@@ -81,7 +79,6 @@ Estimate peak_estimate(const WindowFit& fit) {
   e.se_independent = error.se_independent;
   e.ci68 = {e.value + error.offset68.lo, e.value + error.offset68.hi};
   e.ci95 = {e.value + error.offset95.lo, e.value + error.offset95.hi};
-  e.interval_method = error.method;
   return e;
 }
 

@@ -16,7 +16,6 @@ struct QuantityError {
   double se = 0.0;
   std::optional<double> se_independent;  ///< where se is by drop
   Interval offset68, offset95;           ///< ends of the intervals less the estimate
-  IntervalMethod method = IntervalMethod::covariance;
 };
 
 /// One density for all samples of a window, unbinned: theta = (location, log b_below, log b_above), or (location, log

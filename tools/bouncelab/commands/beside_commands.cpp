@@ -10,6 +10,7 @@
 #include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/files.hpp"
+#include "bouncelab/report/page.hpp"
 #include "commands/commands.hpp"
 #include "options/commands.hpp"
 #include "stages/ball_of_files.hpp"
@@ -98,7 +99,7 @@ std::string lower_case(std::string text) {
 }
 
 /// Why a fit has no such input.
-std::string why_not(const DemOptions& options, const nlohmann::ordered_json& warning) {
+std::string why_not(const DemOptions& options, const std::string& warning) {
   std::vector<std::string> models{"fluctuating"};
   if (options.code == "c++") models.emplace_back("memory");
   if (options.code == "mercurydpm") models = {"constant"};
@@ -107,7 +108,7 @@ std::string why_not(const DemOptions& options, const nlohmann::ordered_json& war
   if (!options.model.empty() && std::find(models.begin(), models.end(), options.model) == models.end())
     return "it has " + models.front() + (models.size() > 1 ? " and " + models.back() : "");
   if (options.model == "memory") return "the fit with memory does not hold";
-  return options.model == "viscoelastic" ? warning.get<std::string>() : "its samples are of one speed";
+  return options.model == "viscoelastic" ? warning : "its samples are of one speed";
 }
 
 }  // namespace
@@ -115,7 +116,7 @@ std::string why_not(const DemOptions& options, const nlohmann::ordered_json& war
 Outcome run_dem(const DemOptions& options) {
   const std::string content = whole_content(options.fit);
   stages::refuse_older_fit(content, options.fit);
-  const auto json = nlohmann::ordered_json::parse(content, nullptr, false);
+  const auto json = nlohmann::json::parse(content, nullptr, false);
   if (!json.is_object() || !json.contains("hand_off"))
     throw FileError(options.fit, "it is no fit.json of bouncelab fit");
   if (!json.value("is_one_ball", true))
@@ -123,25 +124,24 @@ Outcome run_dem(const DemOptions& options) {
         options.fit,
         "its recordings or drops do not agree, one ε for all would belong to no ball: fit each alone, or all "
         "with --pool");
-  if (json.at("hand_off").is_null())
+  std::optional<fit::DemExport> dem;
+  try {
+    dem = report::dem_of_fit(content);
+  } catch (const InvalidArgument& error) {
+    throw FileError(options.fit, error.what());
+  }
+  if (!dem)
     throw FileError(options.fit, "it has nothing for these codes: no law was fitted, or its ε is not between 0 and 1");
   Outcome outcome;
-  try {
-    for (const auto& snippet : json.at("hand_off").at("snippets")) {
-      if (lower_case(snippet.at("program").get<std::string>()) != options.code ||
-          !(options.model.empty() || snippet.at("model").get<std::string>() == options.model))
-        continue;
-      outcome.text = snippet.at("text").get<std::string>();
-      outcome.result = {{"program", snippet.at("program").get<std::string>()},
-                        {"model", snippet.at("model").get<std::string>()},
-                        {"text", outcome.text}};
-      return outcome;
-    }
-    outcome.error = options.fit + ": nothing " + options.model + " for " + options.code + ": " +
-                    why_not(options, json.at("hand_off").at("warning"));
-  } catch (const nlohmann::json::exception&) {
-    throw FileError(options.fit, "it was written by another version: fit the samples again");
+  for (const fit::Snippet& snippet : dem->snippets) {
+    if (lower_case(snippet.program) != options.code || !(options.model.empty() || snippet.model == options.model))
+      continue;
+    outcome.text = snippet.text;
+    outcome.result = {{"program", snippet.program}, {"model", snippet.model}, {"text", snippet.text}};
+    return outcome;
   }
+  outcome.error =
+      options.fit + ": nothing " + options.model + " for " + options.code + ": " + why_not(options, dem->warning);
   outcome.exit_code = kNotUsable;
   return outcome;
 }

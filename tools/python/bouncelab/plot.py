@@ -77,13 +77,10 @@ def density(fit: Any, window: Optional[int] = None, ax: Optional[Axes] = None) -
     if not 0 <= window < len(windows):
         raise ValueError(f"window {window}: the fit has {len(windows)} windows of speed")
     found = windows[window]
-    if not found["bins"]["counts"]:
-        raise ValueError(f"window {window} has {found['n']} impacts, too few for a histogram")
     ax = _axes(ax)
     edges, counts = np.array(found["bins"]["eps_edges"]), np.array(found["bins"]["counts"])
     ax.stairs(counts / (found["n"] * np.diff(edges)), edges, fill=True, color="0.8", label=f"{found['n']} impacts")
-    if found["curve"]["eps"]:  # none of too few impacts
-        ax.plot(found["curve"]["eps"], found["curve"]["density"], color="C0", label="fit")
+    ax.plot(found["curve"]["eps"], found["curve"]["density"], color="C0", label="fit")
     ax.set_title(f"{found['v_lo_mps']:.3g} to {found['v_hi_mps']:.3g} m/s")
     ax.set_xlabel("coefficient of restitution ε")
     ax.set_ylabel("density p(ε)")

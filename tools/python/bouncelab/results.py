@@ -277,7 +277,7 @@ class Fit:
         self._text = text
         #: fit.json as a dict (docs/formats.md).
         self.results: dict = json.loads(text)
-        if "curve" not in self.results:
+        if "scatter" not in self.results:
             raise ValueError("this fit.json was written by bouncelab 0.2 or before, whose eps was another; "
                              "make it anew: bouncelab fit samples.csv --out fit.json")
         self.samples: Optional[Samples] = samples
@@ -296,7 +296,7 @@ class Fit:
     def status(self) -> str:
         """Of the constants: ``ok``, ``not_identifiable`` (the curve is known, A2, A4, A5 are not), ``not_applicable``
         (the law does not describe the samples, the curve does), or why there are none."""
-        return self.results["status"]
+        return self.results["constants"]["status"]
 
     @property
     def warnings(self) -> List[str]:
@@ -307,12 +307,6 @@ class Fit:
     def answer(self) -> str:
         """The result in a few sentences."""
         return "\n".join(self.results["answer"]["sentences"])
-
-    @property
-    def law(self) -> dict:
-        """The parametric fit that the constants are of: the one with memory where that holds, else that of independent
-        impacts. Its curve and nodes are the peak of the distribution of eps."""
-        return self.results["memory"] if self.results["constants"]["with_memory"] else self.results["law"]
 
     @property
     def parameters(self) -> Dict[str, Estimate]:
@@ -331,10 +325,10 @@ class Fit:
     @property
     def law_text(self) -> str:
         """The law with its constants as the options ``--law`` and ``law=`` take it: of the peak of the distribution."""
-        kind = self.results["law"]["law"]
         values = {name: estimate.value for name, estimate in self.parameters.items()}
         if not values:
             raise ValueError(f"the fit has no law ({self.status}): {self.results['constants']['message']}")
+        kind = {"gamma": "viscoelastic", "eps": "constant"}.get(next(iter(values)), "series")
         if kind == "series":
             return "series:" + ",".join(f"{name}={value!r}" for name, value in values.items())
         return f"{kind}:{next(iter(values.values()))!r}"
@@ -394,7 +388,7 @@ class Fit:
         """
         import numpy as np
 
-        scatter = self.results["law"]["scatter"]
+        scatter = self.results["scatter"]
         if scatter is None:
             raise ValueError(f"the fit has no model of the scatter ({self.status})")
         rng = np.random.default_rng() if rng is None else rng

@@ -13,7 +13,7 @@ bool is_fit(const std::string& content) {
 }
 
 void refuse_older_fit(const std::string& content, const std::string& path) {
-  if (is_fit(content) && !nlohmann::json::parse(content).contains("curve"))
+  if (is_fit(content) && !nlohmann::json::parse(content).contains("scatter"))
     throw FileError(path,
                     "was written by bouncelab 0.2 or before, whose ε was another; make it anew: bouncelab fit "
                     "samples.csv --out fit.json");

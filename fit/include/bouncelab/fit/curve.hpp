@@ -20,6 +20,15 @@ struct NodeEstimate {
 };
 Description members_of(const NodeEstimate*);
 
+/// eps(v) at one speed.
+struct CurveNode {
+  double v_mps = 0.0;
+  Estimate eps;                  ///< root mean square over bounces
+  Estimate mean;
+  std::optional<Estimate> peak;  ///< most frequent eps; absent where the density of the scatter was not fitted
+};
+Description members_of(const CurveNode*);
+
 /// eps changes at a speed at once: the ball met another surface there, or there are two balls.
 struct RestitutionStep {
   double v_mps = 0.0;
@@ -39,10 +48,8 @@ struct ReleaseHeight {
 /// eps(v). Where nothing else is said eps is the root mean square over bounces, sqrt(mean^2 + variance): its square is
 /// what a bounce keeps of the energy on average.
 struct Curve {
-  std::vector<NodeEstimate> nodes;
-  std::vector<NodeEstimate> mean;     ///< mean of eps at the nodes
-  std::vector<NodeEstimate> peak;     ///< most frequent eps there; empty where its density was not fitted
-  std::vector<Estimate> changes;      ///< of eps at each node from that at the middle one
+  std::vector<CurveNode> nodes;
+  Matrix covariance;                  ///< of the mean of eps at the nodes
   std::vector<CurvePoint> points;     ///< from the slowest sample to the fastest; empty of one speed alone
   std::vector<Estimate> end_changes;  ///< of the first and the last point from the middle node
   /// Standard deviation of eps, of bounces about the mean of their drop and of these means about the curve; the second

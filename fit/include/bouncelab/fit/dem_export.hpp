@@ -7,10 +7,10 @@
 
 #include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/description.hpp"
+#include "bouncelab/core/restitution_law.hpp"
 #include "bouncelab/core/table.hpp"
 #include "bouncelab/fit/curve.hpp"
 #include "bouncelab/fit/law_fit.hpp"
-#include "bouncelab/fit/memory_fit.hpp"
 
 namespace bouncelab::fit {
 
@@ -21,7 +21,6 @@ struct Snippet {
   std::string parameter;  ///< which of its parameters is filled
   std::string text;
 };
-Description members_of(const Snippet*);
 
 /// The fitted law for codes that collide: they need what keeps the energy, the root of the mean of eps^2.
 /// (docs/dem.md)
@@ -39,6 +38,12 @@ struct DemExport {
 };
 Description members_of(const DemExport*);
 
+/// Of the fit with memory.
+struct DemMemory {
+  RestitutionLaw law;
+  double q = 0.0;
+};
+
 /// @param curve   with a node
 /// @param scatter  of a fit, about its peak; absent: nothing fluctuates
 /// @param v_mps   where the simulated collisions are, within the data
@@ -46,7 +51,7 @@ Description members_of(const DemExport*);
 /// @return nullopt where eps is not in (0, 1] as these codes demand
 std::optional<DemExport> dem_export(const Curve& curve, const std::optional<ScatterModel>& scatter, double v_mps,
                                     const std::optional<Ball>& ball, const std::optional<Material>& plate,
-                                    const MemoryFit* memory = nullptr);
+                                    const std::optional<DemMemory>& memory = {});
 
 /// eps(v) as a table v_mps, eps, lo95, hi95.
 Table law_table(const std::vector<CurvePoint>& curve);

@@ -60,7 +60,6 @@ struct BudgetRow {
   std::optional<double> shift_drag;
   std::optional<double> shift_contact_time;  ///< likewise; absent also where the contact time is not known
   std::optional<double> mean_minus_peak;     ///< b_above - b_below: what least squares would be off by
-  std::optional<double> se_curve;            ///< finite sample: standard error of eps(v) here
 };
 Description members_of(const BudgetRow*);
 

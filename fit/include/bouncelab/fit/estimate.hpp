@@ -28,11 +28,6 @@ struct Interval {
 /// [lo, hi]
 Value as_value(const Interval& interval);
 
-/// How a confidence interval is made: from the profile likelihood, or as value -+ a multiple of the standard error.
-enum class IntervalMethod { profile, covariance };
-/// The words of fit.json: "profile", "covariance".
-const char* to_string(IntervalMethod method);
-
 /// From resampling.
 struct BootstrapErrors {
   double se = 0.0;
@@ -71,7 +66,6 @@ struct Estimate {
   std::optional<double> se_independent;           ///< where se is by drop: what it would be if samples were independent
   std::optional<Interval> ci68;                   ///< 68.27 % confidence interval, of the same basis as se
   std::optional<Interval> ci95;                   ///< 95 % confidence interval
-  std::optional<IntervalMethod> interval_method;  ///< of ci68 and ci95, where there are any
   std::optional<BootstrapErrors> bootstrap;       ///< by drop, where asked for
   bool identified = true;                         ///< false: the data do not determine it (see the fit's message)
 };

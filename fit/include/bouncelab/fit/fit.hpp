@@ -49,23 +49,22 @@ struct FitConfig {
 /// The options: nodes, form of the law, method, replicates, windows.
 Description members_of(const FitConfig*);
 
-/// The law's constants as they are stated: of the fit with memory where that holds, else of `law`; none where the law
+/// Constants of the law as they are stated: of the fit with memory where that holds, else of `law`; none where the law
 /// does not describe the samples.
 struct Constants {
   FitStatus status = FitStatus::too_few_samples;
   std::string message;  ///< in words, empty where all is well
   bool with_memory = false;
   std::vector<NamedEstimate> parameters;
-  Matrix covariance, correlation;  ///< of `parameters`
+  Matrix covariance;  ///< of `parameters`
+  std::optional<Estimate> gamma;  ///< of a viscoelastic sphere, where one describes the samples
 };
 Description members_of(const Constants*);
 
 struct FitResult {
   std::optional<Curve> curve;  ///< eps(v), the answer; absent without samples
   Constants constants;
-  LawFit law;  ///< as configured; by default the asymmetric Laplace
-  LawFit law_least_squares, law_least_absolute;
-  LawFit law_viscoelastic;
+  LawFit law;  ///< impacts taken as independent
   std::optional<MemoryFit> memory;  ///< see FitConfig::memory; the main law is what it is without
   std::vector<HistogramFit> histograms;
   DensityPicture density;

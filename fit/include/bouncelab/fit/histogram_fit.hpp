@@ -109,6 +109,7 @@ const RowColumns<HistogramBin>& columns_of(const HistogramBin*);
 Table histogram_table(const std::vector<HistogramFit>& histograms);
 
 /// Counts of samples in a grid of speed and eps: the paper's figs. 1 and 2, top. Samples outside the grid are counted.
+inline constexpr std::size_t kMostShown = 400;  ///< samples that a picture shows one by one
 struct DensityPicture {
   std::vector<double> v_edges_mps;
   std::vector<double> eps_edges;

@@ -17,26 +17,15 @@ namespace bouncelab::fit {
 /// Which eps(v). `series`: 1 + sum C_i A_i v^(i/10) with the orders given; `viscoelastic`: one gamma, Pade form.
 enum class LawKind { series, viscoelastic, constant };
 
-/// What is assumed of the scatter about eps(v).
-enum class LawMethod {
-  /// Two exponentials of different slope, a normal part of free size (normal-Laplace: exponentials, a normal and
-  /// whatever lies between), each sample's own normal timing error, and one bounce in a hundred lost, its eps anywhere
-  /// from 0 to 2. eps(v) is the peak of the scatter without timing errors and lost ones; where the scatter is symmetric
-  /// also its mean.
-  asymmetric_laplace,
-  /// Weighted least squares; eps(v) is the mean.
-  least_squares,
-  /// Weighted least absolute deviations: symmetric Laplace, likewise convolved; eps(v) is the median.
-  least_absolute,
-};
 const char* to_string(LawKind kind);
-const char* to_string(LawMethod method);
+
+/// How a confidence interval is made: from the profile likelihood, or as value -+ a multiple of the standard error.
+enum class IntervalMethod { profile, covariance };
 
 struct LawFitConfig {
   LawKind kind = LawKind::series;
   std::vector<int> orders{2, 4, 5};  ///< of the series: distinct, among 2, 4, 5, ... 10
-  LawMethod method = LawMethod::asymmetric_laplace;
-  IntervalMethod intervals = IntervalMethod::profile;  ///< of nodes and constants; the curve's band is by covariance
+  IntervalMethod intervals = IntervalMethod::profile;  ///< of nodes and constants
   /// Terms of log b(v) on each side, 1 to 8; 0: 1 below 30 samples, 1 to 3 by BIC below 20,000, from there 3 or 6 by
   /// BIC (AIC takes 6 too often: at 20,000 samples under noise 95 % intervals of A then cover 92.5 %).
   std::size_t n_scatter_terms = 0;
@@ -101,7 +90,6 @@ struct LawFit {
   FitStatus status = FitStatus::too_few_samples;
   std::string message;  ///< in words, empty where all is well
   LawKind kind = LawKind::series;
-  LawMethod method = LawMethod::asymmetric_laplace;
   std::size_t n = 0;  ///< samples used
   DropCount drops;    ///< of the samples used, and what the errors rest on
   /// Indices of samples left out: more likely lost bounces than scatter.
@@ -116,7 +104,6 @@ struct LawFit {
   std::optional<ScatterModel> scatter;
   std::optional<double> loglik, aic, bic, chi2, p_value;
   std::optional<std::size_t> ndf;
-  std::vector<CurvePoint> curve;  ///< eps(v), x in m/s
   std::vector<ResidualBin> residuals;
   std::optional<AndersonDarling> anderson_darling;
   std::vector<LawComparison> comparison;  ///< the law itself first
@@ -125,9 +112,10 @@ struct LawFit {
   std::optional<LawMisfit> misfit;
   std::optional<RestitutionLaw> law;  ///< usable wherever a law is wanted; absent where the fit failed
 };
-Description members_of(const LawFit*);
 
-/// Fits eps(v). Samples must be finite with v > 0 and a sigma_eps >= 0 or absent (fit_all leaves the others out).
+/// Fits eps(v), the peak of the scatter: two exponentials of different slope, a normal part of free size (normal-Laplace:
+/// exponentials, a normal and whatever lies between), each sample's own normal timing error, and one bounce in a hundred
+/// lost, its eps anywhere from 0 to 2. Samples must be finite with v > 0 and a sigma_eps >= 0 or absent (fit_all leaves the others out).
 ///
 /// The parameters of the search are values of eps at well spread speeds, which are almost uncorrelated; A follows
 /// linearly (or gamma by inversion).

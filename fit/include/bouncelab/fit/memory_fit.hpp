@@ -65,8 +65,6 @@ struct MemoryFit {
   std::vector<NamedEstimate> parameters;  ///< A2, A4, A5 ... | gamma | eps
   Matrix correlation, covariance;         ///< of `parameters`
   std::vector<NodeEstimate> nodes;
-  Matrix node_correlation;
-  std::vector<CurvePoint> curve;  ///< eps(v), x in m/s
   std::optional<RestitutionLaw> law;
   /// Of the samples: heights of contacts are R s2, and q means surfaces by its inertia. Absent: not known; a solid ball
   /// of the paper's radius is taken.

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "bouncelab/core/samples.hpp"
+#include "bouncelab/fit/dem_export.hpp"
 
 namespace bouncelab::report {
 
@@ -28,6 +30,10 @@ struct ReportInput {
 /// the drag and contact time that the fit found. Empty where they are more than would be shown one by one (fit.json has
 /// their density).
 std::string samples_json(RestitutionSamples samples, const std::string& fit_json);
+
+/// Inputs of discrete-element codes by the numbers of a fit.json; absent where it has nothing for them.
+/// @throws InvalidArgument where a number is missing or wrong
+std::optional<fit::DemExport> dem_of_fit(const std::string& fit_json);
 
 /// One HTML file that carries everything it needs (pictures are drawn by the plotting library inside it; no network).
 /// @throws InvalidArgument where a text is not JSON
