@@ -14,6 +14,7 @@
 #include "bouncelab/core/parallel.hpp"
 #include "bouncelab/core/table.hpp"
 #include "bouncelab/core/text.hpp"
+#include "bouncelab/fit/restitution.hpp"
 #include "bouncelab/report/detection.hpp"
 #include "stages/files/foreign_files.hpp"
 #include "stages/files/provenance.hpp"

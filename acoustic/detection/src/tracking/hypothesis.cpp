@@ -66,7 +66,8 @@ Hypothesis::Hypothesis(const Observation& first, const Observation& second, cons
       flight_s(step.flight_s),
       last_{Impact{second.t_s, second.log_amplitude, second.sigma_s}, {first.t_s, first.log_amplitude, first.sigma_s}},
       log_flight_(step.log_flight),
-      bounces_(step.log_flight, 0.5 * (first.log_amplitude + second.log_amplitude)),
+      bounces_(step.log_flight, 0.5 * (first.log_amplitude + second.log_amplitude),
+               first.elastic_flight_s ? std::optional(step.flight_s / *first.elastic_flight_s) : std::nullopt),
       rhythm_(step.log_flight, 0.5 * (first.log_amplitude + second.log_amplitude)),
       log_odds_rhythm_{step.log_odds, step.log_odds} {}
 
