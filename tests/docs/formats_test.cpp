@@ -43,7 +43,7 @@ const std::map<std::string, Description>& all_described() {
                   named<detection::ListeningCopy>("ListeningCopy"), named<detection::LearnedWave>("LearnedWave"),
                   named<detection::OnsetScore>("OnsetScore"), named<fit::RestitutionCounts>("RestitutionCounts"),
                   named<fit::Estimate>("Estimate"), named<fit::NodeEstimate>("NodeEstimate"),
-                  named<fit::Curve>("Curve"), named<fit::RestitutionStep>("RestitutionStep"),
+                  named<fit::Curve>("Curve"), named<fit::RestitutionStep>("RestitutionStep"), named<fit::Rebound>("Rebound"),
                   named<fit::Constants>("Constants"), named<fit::LawMisfit>("LawMisfit"),
                   named<fit::ScatterModel>("ScatterModel"), named<fit::ResidualBin>("ResidualBin"),
                   named<fit::LawFit>("LawFit"), named<fit::MemoryFit>("MemoryFit"), named<fit::ShapeFit>("ShapeFit"),

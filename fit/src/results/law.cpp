@@ -258,8 +258,7 @@ std::optional<bool> Rebound::is_within() const {
 Description members_of(const Rebound*) {
   using R = Rebound;
   static constexpr Member all[]{
-      computed(
-          "", [](const R& r) { return object_of(r.rule); }, "The rule, as `bouncelab balls --json` has it"),
+      member<&R::rule>("rule", "`{by, height_m, least_m, most_m, floor, source}`, as `bouncelab balls --json` has it"),
       member<&R::v_mps>("v_mps", "Speed of the impact, by the drag that such a ball has"),
       member<&R::height_m, &Estimate::value>("rebound_m", "What it rebounds, by the root mean square of ε there"),
       member<&R::height_m, &Estimate::se>("se", "Its standard error"),
