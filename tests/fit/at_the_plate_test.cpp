@@ -8,8 +8,8 @@
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/restitution_law.hpp"
 #include "bouncelab/fit/restitution.hpp"
-#include "integrated_flight.hpp"
 #include "curve/plate_samples.hpp"
+#include "integrated_flight.hpp"
 #include "restitution/air_and_contact.hpp"
 
 namespace bouncelab::fit {

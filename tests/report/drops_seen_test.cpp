@@ -38,14 +38,15 @@ TEST(DropsSeen, TellTheHeightOfTheReleaseTheImpactsAndHowLongTheyLast) {
 }
 
 TEST(Rebound, OfANamedBallIsWhatItsRuleAsksForOrNot) {
-  const double kappa_per_m = drag_per_m(ball_from_text("tennis"), {}, 6.0), fall_mps = fall_with_drag_mps(2.54, kG, kappa_per_m);
+  const double kappa_per_m = drag_per_m(ball_from_text("tennis"), {}, 6.0),
+               fall_mps = fall_with_drag_mps(2.54, kG, kappa_per_m);
   const auto answer = [&](const char* ball, double height_m, double eps) {
     RestitutionConfig config;
     config.ball = ball_from_text(ball);
     config.drop_height_m = height_m;
     config.instant_contacts = true;
-    const Onsets onsets = onsets_of(
-        {.height_m = height_m, .eps = [=](int) { return eps; }, .n_impacts = 8, .kappa_per_m = kappa_per_m});
+    const Onsets onsets =
+        onsets_of({.height_m = height_m, .eps = [=](int) { return eps; }, .n_impacts = 8, .kappa_per_m = kappa_per_m});
     const RestitutionSamples samples = restitution_samples(onsets, config).samples;
     const FitResult result = fit_all(samples, {});
     return std::pair{result.curve->rebound, in_words(result, samples).answer.sentences};

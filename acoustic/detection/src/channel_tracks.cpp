@@ -145,9 +145,8 @@ std::optional<SecondBall> second_ball(const BandOfChannel& band, const std::vect
   for (const std::size_t k : left) candidates.push_back(band.candidates[k]);
   std::optional<SecondBall> second;
   double most = log(10.0);
-  for (const Track& track :
-       find_tracks(candidates, 2.0 / band.sound.rate_hz, band.same_source.of(left), duration_s(band),
-                   band.elastic_flight_s)) {
+  for (const Track& track : find_tracks(candidates, 2.0 / band.sound.rate_hz, band.same_source.of(left),
+                                        duration_s(band), band.elastic_flight_s)) {
     if (!is_any_during(band.candidates, tracks, candidates, track) || track.log_odds < most ||
         is_echo(track, candidates))
       continue;
@@ -216,11 +215,10 @@ ChannelTracks find_tracks_in(BandsOfChannel& bands) {
   std::vector<ChannelTracks::OfBand> others;
   for (std::size_t b = 0; b < bands.size(); ++b) {
     const BandOfChannel& band = bands[b];
-    ChannelTracks of_band{
-        b,
-        find_tracks(band.candidates, 2.0 / band.sound.rate_hz, band.same_source, duration_s(band),
-                    band.elastic_flight_s),
-        {}};
+    ChannelTracks of_band{b,
+                          find_tracks(band.candidates, 2.0 / band.sound.rate_hz, band.same_source, duration_s(band),
+                                      band.elastic_flight_s),
+                          {}};
     of_band.is_clear = b == 0 && are_clear(band, of_band);
     if (b == 0 || of_band.log_odds() > best.log_odds() + kTracking.lower_band) std::swap(best, of_band);
     if (!of_band.tracks.empty()) others.push_back({of_band.band, std::move(of_band.tracks)});

@@ -69,41 +69,49 @@ BallKind hollow(const std::string& name, const std::string& what, double diamete
 const std::vector<BallKind>& ball_kinds() {
   static const std::vector<BallKind> kinds{
       rebounding(touching(hollow("table-tennis", "hollow, plastic", 0.040, 2.7e-3, 1200.0,
-                      "ITTF, The Laws of Table Tennis, 2.3: 40 mm, 2.7 g; wall of 1200 kg/m^3 assumed"),
-               {0.8e-3, 0.0, 0.2}, kRange),
-          {"ITTF", 0.305, 0.240, 0.260, "a block of steel",
-            "ITTF, Technical Leaflet T3, The Ball (2009), bounce: 240 to 260 mm from 305 mm onto a standard steel block"}),
-      rebounding(touching(hollow("tennis", "hollow, rubber and felt", 0.067, 57.7e-3, 800.0,
-                      "ITF, Rules of Tennis, appendix I, type 2: 6.54 to 6.86 cm, 56.0 to 59.4 g; wall of 800 kg/m^3, "
-                      "felt included, assumed"),
-               {4.8e-3, -0.1, 0.15}, kCross),
+                                 "ITTF, The Laws of Table Tennis, 2.3: 40 mm, 2.7 g; wall of 1200 kg/m^3 assumed"),
+                          {0.8e-3, 0.0, 0.2}, kRange),
+                 {"ITTF", 0.305, 0.240, 0.260, "a block of steel",
+                  "ITTF, Technical Leaflet T3, The Ball (2009), bounce: 240 to 260 mm from 305 mm onto a standard "
+                  "steel block"}),
+      rebounding(
+          touching(
+              hollow("tennis", "hollow, rubber and felt", 0.067, 57.7e-3, 800.0,
+                     "ITF, Rules of Tennis, appendix I, type 2: 6.54 to 6.86 cm, 56.0 to 59.4 g; wall of 800 kg/m^3, "
+                     "felt included, assumed"),
+              {4.8e-3, -0.1, 0.15}, kCross),
           {"ITF", 2.54, 1.35, 1.47, "concrete",
-            "ITF, Rules of Tennis (2022), appendix I, type 2: 135 to 147 cm from 254 cm onto a flat, rigid surface, "
-            "for example concrete"}),
-      rebounding(touching(hollow("basketball", "hollow, size 7", 0.242, 0.600, 1100.0,
-                      "FIBA, Official Basketball Rules, equipment, size 7: circumference 75 to 77 cm, 580 to 620 g; "
-                      "wall of 1100 kg/m^3 assumed"),
-               {13.5e-3, 0.0, 0.2}, kRange),
+           "ITF, Rules of Tennis (2022), appendix I, type 2: 135 to 147 cm from 254 cm onto a flat, rigid surface, "
+           "for example concrete"}),
+      rebounding(
+          touching(
+              hollow("basketball", "hollow, size 7", 0.242, 0.600, 1100.0,
+                     "FIBA, Official Basketball Rules, equipment, size 7: circumference 75 to 77 cm, 580 to 620 g; "
+                     "wall of 1100 kg/m^3 assumed"),
+              {13.5e-3, 0.0, 0.2}, kRange),
           {"FIBA", 1.80, 0.96, 1.16, "the playing floor",
-            "FIBA, Official Basketball Rules (2010), equipment: from 1.80 m under the ball to 1.20 to 1.40 m at its "
-            "top, less its diameter of 0.24 m"}),
-      rebounding(touching(hollow("football", "hollow, size 5", 0.220, 0.430, 1100.0,
-                      "IFAB, Laws of the Game, law 2: circumference 68 to 70 cm, 410 to 450 g; wall of 1100 kg/m^3 "
-                      "assumed"),
-               {9e-3, 0.0, 0.15}, kRange),
+           "FIBA, Official Basketball Rules (2010), equipment: from 1.80 m under the ball to 1.20 to 1.40 m at its "
+           "top, less its diameter of 0.24 m"}),
+      rebounding(
+          touching(hollow("football", "hollow, size 5", 0.220, 0.430, 1100.0,
+                          "IFAB, Laws of the Game, law 2: circumference 68 to 70 cm, 410 to 450 g; wall of 1100 kg/m^3 "
+                          "assumed"),
+                   {9e-3, 0.0, 0.15}, kRange),
           {"FIFA", 2.00, 1.25, 1.55, "steel",
-            "FIFA, Quality Programme for Footballs (2016), FIFA Quality, size 5: 125 to 155 cm from 2 m onto steel at "
-            "20 degrees C"}),
+           "FIFA, Quality Programme for Footballs (2016), FIFA Quality, size 5: 125 to 155 cm from 2 m onto steel at "
+           "20 degrees C"}),
       touching(hollow("volleyball", "hollow", 0.210, 0.270, 1100.0,
                       "FIVB, Official Volleyball Rules, 3.1: circumference 65 to 67 cm, 260 to 280 g; wall of 1100 "
                       "kg/m^3 assumed"),
                {11e-3, 0.0, 0.3}, kRange),
-      rebounding(touching(hollow("squash", "hollow, rubber", 0.040, 24.0e-3, 1150.0,
-                      "World Squash, Specification for squash balls: 39.5 to 40.5 mm, 23 to 25 g; wall of 1150 kg/m^3 "
-                      "assumed"),
-               {3e-3, 0.0, 0.2}, kRange),
+      rebounding(
+          touching(
+              hollow("squash", "hollow, rubber", 0.040, 24.0e-3, 1150.0,
+                     "World Squash, Specification for squash balls: 39.5 to 40.5 mm, 23 to 25 g; wall of 1150 kg/m^3 "
+                     "assumed"),
+              {3e-3, 0.0, 0.2}, kRange),
           {"WSF", 2.54, 0.3048, std::nullopt, "a hard floor",
-            "World Squash, Specification for squash balls: at least 12 % of 254 cm at 23 degrees C"}),
+           "World Squash, Specification for squash balls: at least 12 % of 254 cm at 23 degrees C"}),
       touching(layered("golf", "core and cover", 0.04267, 45.93e-3,
                        "The R&A and USGA, Equipment Rules, part 4: at least 42.67 mm, at most 45.93 g; J of a "
                        "homogeneous sphere assumed"),

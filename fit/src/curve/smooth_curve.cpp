@@ -80,7 +80,7 @@ struct SmoothCurve::Sum {
   Term best;  ///< of the likeliest place
   std::vector<double> x;
   std::size_t n_nodes = 0, n_shown = 0;
-  std::vector<FirstFlights> first_flights;  ///< their speeds from n_shown on, behind them that of the rebound
+  std::vector<FirstFlights> first_flights;      ///< their speeds from n_shown on, behind them that of the rebound
   std::vector<std::vector<std::size_t>> balls;  ///< terms of each ball of the list that may be this one
 };
 

@@ -24,8 +24,8 @@ struct DetectionConfig {
   double gravity_mps2 = kDefaultGravity_mps2;  ///< > 0; gives the impact speeds g T / 2 for the contact-time law
   /// Of the ball's lowest point at release [m], > 0: what says how long the flight after the first impact may be.
   std::optional<double> drop_height_m;
-  std::optional<double> rate_hz;               ///< of numbers (.npy, tables) that come without their sampling rate
-  std::int64_t min_impacts = 3;                ///< >= 3, one coefficient of restitution; drops of fewer are left out
+  std::optional<double> rate_hz;  ///< of numbers (.npy, tables) that come without their sampling rate
+  std::int64_t min_impacts = 3;   ///< >= 3, one coefficient of restitution; drops of fewer are left out
   /// RecordingSummary::lossy_coding of samples that something else has decoded; that of a file goes before it.
   std::string lossy_coding;
 };
