@@ -73,14 +73,16 @@ Description members_of(const RestitutionConfig*) {
           .within(0.0, 1e3),
       member<&C::drop_height_m>(
           "drop_height",
-          "Height of the ball's lowest point at release [m], 0 = not known; the first impact counts then")
+          "Height of the ball's lowest point at release [m], 0 = not known; the first impact counts then, and says of "
+          "sound whether it is a ball's")
           .within(0.0, 1e3)
           .unknown_as("0"),
       member<&C::sigma_t_s>("sigma_t", "Standard error of times that state none [s], 0 = not known: the fit finds it")
           .within(0.0, 10.0)
           .unknown_as("0"),
       member<&C::sigma_height_m>("sigma_height",
-                                 "Standard error of heights that state none [m], 0 = not known: the fit finds it")
+                                 "Standard error of heights that state none [m], 0 = not known: the fit finds it, "
+                                 "and takes --drop-height for exact")
           .within(0.0, 10.0)
           .unknown_as("0"),
       member<&C::wave_speed_mps>("wave_speed",

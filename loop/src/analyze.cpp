@@ -24,7 +24,7 @@ Recordings detected(const std::vector<std::filesystem::path>& files, const Analy
     recordings[k].found.wave.reset();
     recordings[k].found.noise.reset();
   };
-  detection::detect_each(files, config.detection, config.n_threads, take,
+  detection::detect_each(files, detection_config(config), config.n_threads, take,
                          callback(progress, "detect", files.size() == 1 ? "s of sound" : "recordings"));
   return recordings;
 }
@@ -65,6 +65,13 @@ void sound_to_constants(Analysis& analysis, const AnalyzeConfig& config, const S
 }
 
 }  // namespace
+
+detection::DetectionConfig detection_config(const AnalyzeConfig& config) {
+  detection::DetectionConfig detection = config.detection;
+  detection.gravity_mps2 = config.restitution.gravity_mps2;
+  detection.drop_height_m = config.restitution.drop_height_m;
+  return detection;
+}
 
 Analysis analyze(const std::vector<std::filesystem::path>& recordings, const AnalyzeConfig& config,
                  const StageProgress& progress) {

@@ -262,6 +262,20 @@ std::string of_drops(const DropsSeen& seen, bool one_ball) {
          (seen.n_drops > 1 ? " of bouncing." : ".");
 }
 
+/// "Dropped from 254 cm this ball rebounds 141 cm (95 %: 137 to 145 cm); the rule (ITF) asks for 135 to
+/// 147 cm on concrete: within."
+std::string of_rebound(const Rebound& rebound) {
+  const auto cm = [](double height_m) { return formatted("%.3g", 100.0 * height_m); };
+  const Interval& ci95 = *rebound.height_m.ci95;
+  const std::optional<bool> is_within = rebound.is_within();
+  return "Dropped from " + cm(rebound.rule.height_m) + " cm this ball rebounds " + cm(rebound.height_m.value) +
+         " cm (95 %: " + cm(ci95.lo) + " to " + cm(ci95.hi) + " cm); the rule (" + rebound.rule.by + ") asks for " +
+         asked_rebound(rebound.rule) + " on " + rebound.rule.floor + ": " +
+         (!is_within   ? "within or not, the interval reaches across the limit."
+          : *is_within ? "within."
+                       : "not within.");
+}
+
 /// Nothing fitted: what there is, and what is missing.
 std::string of_missing(const FitResult& result, const RestitutionSamples& samples) {
   std::vector<double> eps;
@@ -272,6 +286,12 @@ std::string of_missing(const FitResult& result, const RestitutionSamples& sample
 }
 
 }  // namespace
+
+std::string asked_rebound(const ReboundRule& rule) {
+  return (rule.most_m ? formatted("%.4g to %.4g", 100.0 * rule.least_m, 100.0 * *rule.most_m)
+                      : formatted("at least %.3g", 100.0 * rule.least_m)) +
+         " cm";
+}
 
 std::string interval_in_words(const Estimate& e) {
   const int decimals = decimals_for(e);
@@ -319,6 +339,7 @@ PlainAnswer plain_answer(const FitResult& result, const RestitutionSamples& samp
     if (answer.at->eps.value > 0.0 && answer.at->eps.value < 1.0)
       answer.sentences.push_back(percent_lost(*answer.at) +
                                  " % of the energy of its motion up and down is lost in each bounce at that speed.");
+    if (curve.rebound) answer.sentences.push_back(of_rebound(*curve.rebound));
     if (std::string other = contradicted(curve); !other.empty()) answer.sentences.push_back(std::move(other));
   } else {
     answer.sentences.push_back(

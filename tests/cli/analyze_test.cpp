@@ -100,6 +100,30 @@ TEST_F(Analyze, AgainReplacesItsOwnReportOfTheSameRecordingAndNothingElse) {
   EXPECT_TRUE(content_of(report) == of_drop);
 }
 
+TEST_F(Analyze, OfThreeImpactsFromAKnownHeightHasTheReboundOfTheRules) {
+  write("drop.wav", float_wav(bouncing(3, 0.735, 1.05), 44100));
+  const auto odds = [&](const std::string& options) {
+    const Result found = run("detect drop.wav --json --force --out o.csv " + options);
+    EXPECT_EQ(found.exit_code, 0) << found.err;
+    return Json(found.out)["recordings"][0]["drops"][0]["odds"].number();
+  };
+  EXPECT_LT(odds(""), 10.0);
+  EXPECT_GT(odds("--drop-height 2.54"), 20.0);
+  const std::string analyze = "analyze drop.wav --out out --force --ball tennis --plate concrete ";
+  EXPECT_EQ(run(analyze).exit_code, 1);  // it is doubtful whether a ball bounced
+  const Result result = run(analyze + "--drop-height 2.54");
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out, testing::HasSubstr("\nDropped from 254 cm this ball rebounds 13"));
+  EXPECT_THAT(content("out/report.html"), testing::HasSubstr("the rule (ITF) asks for 135 to 147 cm on concrete"));
+  const Json exact = json("out/fit.json")["curve"]["rebound"];
+  EXPECT_EQ(exact["rule"]["most_m"], 1.47);
+  // the interval of 1.05 s says how high it rose, less what the contact takes: 4 ms, of which 15 % are not known
+  EXPECT_NEAR(exact["rebound_m"].number(), 9.81 * 1.046 * 1.046 / 8.0, 0.01);
+  ASSERT_EQ(run(analyze + "--drop-height 2.54 --sigma-height 0.1").exit_code, 0);
+  const auto width = [](const Json& rebound) { return rebound["ci95"][1].number() - rebound["ci95"][0].number(); };
+  EXPECT_GT(width(json("out/fit.json")["curve"]["rebound"]), 1.2 * width(exact));
+}
+
 TEST_F(Analyze, SaysTheAnswerThenOneDoubtAtMostThenWhereTheReportIs) {
   write("drop.wav", float_wav(bouncing(12, 0.85, 0.6), 44100));
   const auto lines_of = [](const std::string& text) {

@@ -47,6 +47,22 @@ TEST(BallCatalogue, BallsOfSportsWeighWhatTheirRulesSay) {
   EXPECT_NEAR(mass_g("steel:6mm"), 0.8935, 5e-5);  // 4/3 pi (3 mm)^3 7900 kg/m^3, to the digits given
 }
 
+TEST(BallCatalogue, BallsOfSportsReboundAsTheirRulesAsk) {
+  const auto rule = [](const char* name) { return rebound_rule(ball_from_text(name)); };
+  ASSERT_TRUE(rule("tennis") && rule("squash"));
+  EXPECT_EQ(rule("tennis")->height_m, 2.54);
+  EXPECT_EQ(rule("tennis,mass=56g"), rule("tennis"));  // 3 % lighter than the catalogue's
+  EXPECT_FALSE(rule("tennis,mass=45g"));
+  EXPECT_NE(rule("squash"), rule("table-tennis"));  // of one size
+  EXPECT_FALSE(rule("golf") || rule("steel:67mm"));
+  for (const BallKind& kind : ball_kinds())
+    if (kind.rebound) {
+      EXPECT_LT(kind.rebound->least_m, kind.rebound->most_m.value_or(kind.rebound->height_m)) << kind.name;
+      EXPECT_LT(kind.rebound->most_m.value_or(0.0), kind.rebound->height_m) << kind.name;
+      EXPECT_THAT(kind.rebound->source, ::testing::StartsWith(kind.name == "squash" ? "World" : kind.rebound->by));
+    }
+}
+
 TEST(BallCatalogue, ADescriptionReadsBackAsTheSameBall) {
   for (const BallKind& kind : ball_kinds())
     for (const std::string size :

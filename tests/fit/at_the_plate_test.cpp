@@ -8,6 +8,7 @@
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/restitution_law.hpp"
 #include "bouncelab/fit/restitution.hpp"
+#include "curve/plate_samples.hpp"
 #include "integrated_flight.hpp"
 #include "restitution/air_and_contact.hpp"
 
@@ -169,6 +170,29 @@ TEST(AtThePlate, HeightsGiveTheCoefficientBackInAirAndInVacuum) {
     EXPECT_NEAR(*raw[0].sigma_eps, 0.5 * raw[0].eps * std::hypot(1e-3 / *onsets[0].fall_m, 1e-3 / *onsets[1].fall_m),
                 1e-12);
   }
+}
+
+TEST(AtThePlate, ALaunchRisesAsIntegrated) {
+  EXPECT_NEAR(rise_height_m(4.0, kDefaultGravity_mps2, 0.013), integrated_rise_m(4.0, 0.013), 1e-6);  // steps of 1e-5 s
+  EXPECT_EQ(rise_height_m(4.0, kDefaultGravity_mps2, 0.0), 8.0 / kDefaultGravity_mps2);
+}
+
+TEST(AtThePlate, TheErrorOfADropsHeightIsOfItsFirstCoefficientAlone) {
+  RestitutionConfig config;
+  config.drop_height_m = 0.1;
+  Onsets onsets = times_of({}, ConstantLaw{0.8}, false, false);
+  for (Onset& onset : onsets) onset.sigma_t_s = 1e-6;
+  AirAndContact known;
+  known.has_drag = known.has_contact = false;
+  const PlateSamples exact = plate_samples(restitution_samples(onsets, config).samples, known, {});
+  config.sigma_height_m = 1e-3;
+  const RestitutionSamples samples = restitution_samples(onsets, config).samples;
+  EXPECT_NEAR(*samples[0].sigma_v_mps / samples[0].v_mps, 0.005, 1e-15);  // half of a hundredth
+  const PlateSamples of = plate_samples(samples, known, {});
+  EXPECT_NEAR(of.timing(0, 0) - exact.timing(0, 0), std::pow(0.005 * samples[0].eps, 2), 1e-12);
+  for (Eigen::Index k = 1; k < of.size(); ++k)
+    EXPECT_NEAR(of.timing(k, 0), exact.timing(k, 0), 1e-9 * exact.timing(k, 0)) << k;
+  EXPECT_NEAR(of.timing(0, 1), exact.timing(0, 1), 1e-9 * std::abs(exact.timing(0, 1)));
 }
 
 TEST(AtThePlate, WhatHoldsNeitherStaysAsItIs) {

@@ -72,7 +72,8 @@ class Stages(Case):
         names = [os.path.join(SAMPLES, "hard.flac"), wav, wav]  # the same twice counts once
         for onsets, recordings, keywords in (
                 (bl.detect(names), names, {}), (bl.detect(stereo.samples, stereo.rate, name=wav), [wav], {}),
-                (bl.detect(wav, min_impacts=5, channel=1), [wav], dict(min_impacts=5, channel=1)),
+                (bl.detect(wav, min_impacts=5, channel=1, drop_height=0.1), [wav],
+                 dict(min_impacts=5, channel=1, drop_height=0.1)),
                 (bl.detect(stereo.samples[:, 0], 22050.5, name=npy), [npy], dict(rate=22050.5))):
             summary = printed("detect", *recordings, out=out, force=True, **keywords)
             self.assertGreater(len(onsets), 100)

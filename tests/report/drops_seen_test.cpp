@@ -37,6 +37,54 @@ TEST(DropsSeen, TellTheHeightOfTheReleaseTheImpactsAndHowLongTheyLast) {
   EXPECT_NEAR(*seen.duration_s, onsets.back().t_s - onsets.front().t_s, 1e-9);
 }
 
+TEST(Rebound, OfANamedBallIsWhatItsRuleAsksForOrNot) {
+  const double kappa_per_m = drag_per_m(ball_from_text("tennis"), {}, 6.0),
+               fall_mps = fall_with_drag_mps(2.54, kG, kappa_per_m);
+  const auto answer = [&](const char* ball, double height_m, double eps) {
+    RestitutionConfig config;
+    config.ball = ball_from_text(ball);
+    config.drop_height_m = height_m;
+    config.instant_contacts = true;
+    const Onsets onsets =
+        onsets_of({.height_m = height_m, .eps = [=](int) { return eps; }, .n_impacts = 8, .kappa_per_m = kappa_per_m});
+    const RestitutionSamples samples = restitution_samples(onsets, config).samples;
+    const FitResult result = fit_all(samples, {});
+    return std::pair{result.curve->rebound, in_words(result, samples).answer.sentences};
+  };
+  const auto eps_of_rebound = [&](double height_m) {
+    return std::sqrt(kG / kappa_per_m * std::expm1(2.0 * kappa_per_m * height_m)) / fall_mps;
+  };
+  for (const auto& [rebound_m, is_within, words] :
+       {std::tuple{1.41, std::optional(true), "(ITF) asks for 135 to 147 cm on concrete: within."},
+        {1.25, std::optional(false), "on concrete: not within."},
+        {1.35, std::optional<bool>(), "on concrete: within or not, the interval reaches across the limit."}}) {
+    const auto [rebound, sentences] = answer("tennis", 2.54, eps_of_rebound(rebound_m));
+    ASSERT_TRUE(rebound) << rebound_m;
+    EXPECT_TRUE(rebound->height_m.ci95->lo < rebound_m && rebound_m < rebound->height_m.ci95->hi) << rebound_m;
+    EXPECT_LT(rebound->height_m.ci95->hi - rebound->height_m.ci95->lo, 0.03) << rebound_m;  // drag is known to 10 %
+    EXPECT_NEAR(rebound->v_mps, fall_mps, 0.01 * fall_mps);  // its drag goes with the speed: 3 % of 7 %
+    EXPECT_EQ(rebound->is_within(), is_within) << rebound_m;
+    EXPECT_THAT(sentences, ::testing::Contains(::testing::AllOf(::testing::StartsWith("Dropped from 254 cm this ball"),
+                                                                ::testing::EndsWith(words))));
+  }
+  EXPECT_TRUE(answer("tennis", 2.4, 0.75).first);  // by a tenth less high eps is hardly another
+  EXPECT_FALSE(answer("tennis", 2.0, 0.75).first);
+  EXPECT_FALSE(answer("golf", 2.54, 0.75).first);
+}
+
+TEST(Rebound, OfSpeedsThatWereMeasuredIsThroughTheAirToo) {
+  RestitutionSamples samples(6);
+  for (std::size_t k = 0; k < samples.size(); ++k)
+    samples[k].v_mps = 6.0 + 0.3 * static_cast<double>(k), samples[k].eps = 0.75,
+    samples[k].conditions.ball = ball_from_text("tennis");
+  const auto rebound = fit_all(samples, {}).curve->rebound;
+  ASSERT_TRUE(rebound);
+  const double kappa_per_m = drag_per_m(ball_from_text("tennis"), {}, 5.3);
+  const double through_air_m = rise_height_m(0.75 * fall_with_drag_mps(2.54, kG, kappa_per_m), kG, kappa_per_m);
+  EXPECT_NEAR(rebound->height_m.value, through_air_m, 0.005);  // C_d of one speed for both ways
+  EXPECT_LT(rebound->height_m.value, 0.75 * 0.75 * 2.54 - 0.04);
+}
+
 TEST(DropsSeen, LastSecondsMinutesOrHours) {
   for (const auto& [t_s, words] : {std::pair{100.0, " in 100 s."}, {3000.0, " in 50 min."}, {10800.0, " in 3.0 h."}}) {
     const double v_mps = 0.5 * kG * t_s * 0.1 / 0.9 / (1.0 - std::pow(0.9, 19));  // nineteen flights of 2 eps^k v/g

@@ -14,6 +14,7 @@
 #include "bouncelab/core/parallel.hpp"
 #include "bouncelab/core/table.hpp"
 #include "bouncelab/core/text.hpp"
+#include "bouncelab/fit/restitution.hpp"
 #include "bouncelab/report/detection.hpp"
 #include "stages/files/foreign_files.hpp"
 #include "stages/files/provenance.hpp"
@@ -122,6 +123,15 @@ Recordings detect_all(const DetectOptions& options, const std::vector<std::files
 }
 
 }  // namespace
+
+Section drop_height_section(detection::DetectionConfig& config) {
+  static const Member option = [] {
+    const Description all = members_of(static_cast<const fit::RestitutionConfig*>(nullptr));
+    return std::find_if(all.begin(), all.end(), [](const Member& m) { return m.name == "drop_height"; })
+        ->with(&Member::place, member<&detection::DetectionConfig::drop_height_m>("", "").place);
+  }();
+  return {"Detection", Description(&option, 1), &config};
+}
 
 std::vector<std::filesystem::path> recordings_of(const DetectOptions& options) {
   std::vector<std::filesystem::path> all(options.recordings.begin(), options.recordings.end());

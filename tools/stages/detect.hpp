@@ -18,6 +18,9 @@ struct DetectOptions {
   detection::DetectionConfig config;
 };
 
+/// The option --drop-height of `restitution`, for the detection: `analyze` sets both by one.
+Section drop_height_section(detection::DetectionConfig& config);
+
 using Recordings = std::vector<detection::RecordingDetection>;
 
 /// The recordings named and those of the list.

@@ -145,8 +145,8 @@ std::optional<SecondBall> second_ball(const BandOfChannel& band, const std::vect
   for (const std::size_t k : left) candidates.push_back(band.candidates[k]);
   std::optional<SecondBall> second;
   double most = log(10.0);
-  for (const Track& track :
-       find_tracks(candidates, 2.0 / band.sound.rate_hz, band.same_source.of(left), duration_s(band))) {
+  for (const Track& track : find_tracks(candidates, 2.0 / band.sound.rate_hz, band.same_source.of(left),
+                                        duration_s(band), band.elastic_flight_s)) {
     if (!is_any_during(band.candidates, tracks, candidates, track) || track.log_odds < most ||
         is_echo(track, candidates))
       continue;
@@ -171,12 +171,14 @@ ChosenChannel searched(BandsOfChannel bands, std::size_t channel) {
 
 }  // namespace
 
-BandsOfChannel::BandsOfChannel(audio::AudioSource sound, int n_threads, ProgressCallback progress)
+BandsOfChannel::BandsOfChannel(audio::AudioSource sound, int n_threads, ProgressCallback progress,
+                               std::optional<double> elastic_flight_s)
     : n_threads_(n_threads), progress_(std::move(progress)) {
   bands_.emplace_back().sound = std::move(sound);
   for (const double rate_hz : kLowRates_hz)
     if (const auto decimation = static_cast<int>(bands_[0].sound.rate_hz / rate_hz); decimation >= 2)
       bands_.emplace_back().decimation = decimation;
+  for (BandOfChannel& band : bands_) band.elastic_flight_s = elastic_flight_s;
 }
 
 BandsOfChannel::BandsOfChannel(std::vector<BandOfChannel> searched)
@@ -213,8 +215,10 @@ ChannelTracks find_tracks_in(BandsOfChannel& bands) {
   std::vector<ChannelTracks::OfBand> others;
   for (std::size_t b = 0; b < bands.size(); ++b) {
     const BandOfChannel& band = bands[b];
-    ChannelTracks of_band{
-        b, find_tracks(band.candidates, 2.0 / band.sound.rate_hz, band.same_source, duration_s(band)), {}};
+    ChannelTracks of_band{b,
+                          find_tracks(band.candidates, 2.0 / band.sound.rate_hz, band.same_source, duration_s(band),
+                                      band.elastic_flight_s),
+                          {}};
     of_band.is_clear = b == 0 && are_clear(band, of_band);
     if (b == 0 || of_band.log_odds() > best.log_odds() + kTracking.lower_band) std::swap(best, of_band);
     if (!of_band.tracks.empty()) others.push_back({of_band.band, std::move(of_band.tracks)});
@@ -226,10 +230,10 @@ ChannelTracks find_tracks_in(BandsOfChannel& bands) {
 }
 
 ChosenChannel choose_channel(std::span<const audio::AudioSource> channels, int n_threads,
-                             const ProgressCallback& progress) {
-  ChosenChannel best = searched(BandsOfChannel(channels[0], n_threads, progress), 0);
+                             const ProgressCallback& progress, std::optional<double> elastic_flight_s) {
+  ChosenChannel best = searched(BandsOfChannel(channels[0], n_threads, progress, elastic_flight_s), 0);
   for (std::size_t c = 1; c < channels.size(); ++c) {
-    ChosenChannel next = searched(BandsOfChannel(channels[c], n_threads, progress), c);
+    ChosenChannel next = searched(BandsOfChannel(channels[c], n_threads, progress, elastic_flight_s), c);
     if (is_preferred(next.band, next.found, best.band, best.found)) best = std::move(next);
   }
   return best;

@@ -40,6 +40,7 @@ struct BandOfChannel {
   ArModels models;
   std::vector<Candidate> candidates;
   SameSource same_source;
+  std::optional<double> elastic_flight_s{};  ///< Observation::elastic_flight_s
 };
 
 /// All frequencies, those below 2 kHz and those below 500 Hz: rubber balls are faint above 1.5 kHz, a basketball above
@@ -48,7 +49,9 @@ class BandsOfChannel {
  public:
   /// @param sound      may be read by several threads where n_threads is not 1
   /// @param n_threads  that search it
-  explicit BandsOfChannel(audio::AudioSource sound, int n_threads = 1, ProgressCallback progress = {});
+  /// @param elastic_flight_s  Observation::elastic_flight_s
+  explicit BandsOfChannel(audio::AudioSource sound, int n_threads = 1, ProgressCallback progress = {},
+                          std::optional<double> elastic_flight_s = {});
   explicit BandsOfChannel(std::vector<BandOfChannel> searched);
   std::size_t size() const { return bands_.size(); }
   BandOfChannel& operator[](std::size_t band);
@@ -98,8 +101,9 @@ struct ChosenChannel {
 /// impacts rise the most (is_preferred); of equal ones the first.
 /// @param channels   at least one; sources that may be read by several threads where n_threads is not 1
 /// @param n_threads  that search
+/// @param elastic_flight_s  Observation::elastic_flight_s
 ChosenChannel choose_channel(std::span<const audio::AudioSource> channels, int n_threads,
-                             const ProgressCallback& progress);
+                             const ProgressCallback& progress, std::optional<double> elastic_flight_s = {});
 
 /// Whether one channel is to be preferred to another: the one of the more probable tracks; where both have recorded the
 /// same ball, the one in which its impacts rise the more, since that makes their times accurate.

@@ -150,6 +150,8 @@ Detection detect_in(const std::vector<audio::AudioSource>& channels, std::vector
   const auto n_channels = static_cast<int>(channels.size());
   if (!(config.gravity_mps2 > 0.0 && std::isfinite(config.gravity_mps2)))
     throw InvalidArgument("gravity_mps2 " + std::to_string(config.gravity_mps2) + ": must be above 0 and finite");
+  if (config.drop_height_m && !(*config.drop_height_m > 0.0 && std::isfinite(*config.drop_height_m)))
+    throw InvalidArgument("drop_height_m " + std::to_string(*config.drop_height_m) + ": must be above 0 and finite");
   if (config.min_impacts < 3)
     throw InvalidArgument("min_impacts " + std::to_string(config.min_impacts) +
                           ": at least 3 impacts give a coefficient of restitution");
@@ -169,7 +171,9 @@ Detection detect_in(const std::vector<audio::AudioSource>& channels, std::vector
     searched.push_back(std::move(part.sound));
     begin_s.push_back(part.begin_s);
   }
-  ChosenChannel best = choose_channel(searched, n_threads, progress);
+  std::optional<double> elastic_flight_s;
+  if (config.drop_height_m) elastic_flight_s = std::sqrt(8.0 * *config.drop_height_m / config.gravity_mps2);
+  ChosenChannel best = choose_channel(searched, n_threads, progress, elastic_flight_s);
   const audio::AudioSource& sound = searched[best.channel];
   const BandOfChannel& band = best.band;
   Detection d;

@@ -60,6 +60,11 @@ double fall_height_m(double landing_mps, double gravity_mps2, double kappa_per_m
   return of_limit < 1.0 ? -std::log1p(-of_limit) / (2.0 * kappa_per_m) : HUGE_VAL;
 }
 
+double rise_height_m(double launch_mps, double gravity_mps2, double kappa_per_m) {
+  const double height_m = launch_mps * launch_mps / (2.0 * gravity_mps2);
+  return kappa_per_m > 0.0 ? std::log1p(2.0 * kappa_per_m * height_m) / (2.0 * kappa_per_m) : height_m;
+}
+
 std::optional<ContactDuration> contact_duration(const Ball& ball, const std::optional<Material>& plate) {
   if (ball.contact_time_s) return ContactDuration{*ball.contact_time_s, 0.0, 0.1};
   if (ball.material.hertzian) {

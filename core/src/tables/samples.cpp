@@ -133,11 +133,13 @@ const RowColumns<RestitutionSample>& columns_of(const RestitutionSample*) {
       column("v_mps", &S::v_mps, "Normal impact speed, g T / 2; of impact 0 that of a fall from the height given")
           .required(),
       column("eps", &S::eps, "Coefficient of restitution; may exceed 1, never clamped").required(),
-      column("sigma_v_mps", &S::sigma_v_mps, "Standard error of `v_mps` from timing alone; empty or 0: not known",
-             kSigma),
-      column("sigma_eps", &S::sigma_eps,
-             "Standard error of `eps` from timing alone; empty or 0: not known (the fit then neglects it, and says so)",
-             kSigma),
+      column("sigma_v_mps", &S::sigma_v_mps,
+             "Standard error of `v_mps` from timing alone, of impact 0 from the height; empty or 0: not known", kSigma),
+      column(
+          "sigma_eps", &S::sigma_eps,
+          "Standard error of `eps` from timing alone, of impact 0 also from the height; empty or 0: not known (the fit "
+          "then neglects it, and says so)",
+          kSigma),
       column("flags", &S::flags,
              "`missing_impact` or `extra_impact`: the ratio jumps as where an impact was missed or invented; "
              "`not_finite`: set on reading. Flagged samples stay in the table and out of the fit. A word that is none "

@@ -20,7 +20,8 @@ constexpr std::size_t kLongestPiece = 128;
 /// each. Of heights d eps / d h of those before and after it [1/m], in the place of the last two.
 struct OfOnsets {
   std::array<double, 3> by_time{};
-  double sigma_t2 = 0.0;  ///< of one onset, if all three are known alike [s^2]
+  double sigma_t2 = 0.0;   ///< of one onset, if all three are known alike [s^2]
+  double by_height = 0.0;  ///< error of eps by that of the height of a drop, which is no onset's
 };
 OfOnsets of_onsets(const RestitutionSample& s, double gravity_mps2) {
   OfOnsets of;
@@ -29,12 +30,12 @@ OfOnsets of_onsets(const RestitutionSample& s, double gravity_mps2) {
   if (s.conditions.of_heights)
     of.by_time = {0.0, -0.5 * s.eps / fallen_m, 0.5 * s.eps / risen_m};
   else if (s.impact == 0)  // of a drop from a known height
-    of.by_time = {0.0, -1.0 / before_s, 1.0 / before_s};
+    of.by_time = {0.0, -1.0 / before_s, 1.0 / before_s}, of.by_height = s.eps * s.sigma_v_mps.value_or(0.0) / s.v_mps;
   else
     of.by_time = {s.eps / before_s, -(1.0 + s.eps) / before_s, 1.0 / before_s};
   double squares = 0.0;
   for (const double a : of.by_time) squares += a * a;
-  of.sigma_t2 = square(s.sigma_eps.value_or(0.0)) / squares;
+  of.sigma_t2 = std::max(0.0, square(s.sigma_eps.value_or(0.0)) - square(of.by_height)) / squares;
   return of;
 }
 
@@ -157,6 +158,7 @@ PlateSamples plate_samples(const RestitutionSamples& samples, const AirAndContac
         by_time.back()[static_cast<std::size_t>(j)] *= plate.stretch * std::sqrt(sum / n_samples);
       }
       for (const double a : by_time.back()) all.timing(row, 0) += a * a;
+      all.timing(row, 0) += square(plate.stretch * of.by_height);
       for (std::size_t back = 1; back <= 2 && back <= k; ++back) {
         const std::int64_t lag = s.impact - samples[drop.rows[k - back]].impact;
         const std::array<double, 3>& other = by_time[k - back];

@@ -31,6 +31,31 @@ std::vector<double> nodes_of(const Eigen::VectorXd& x) {
 
 }  // namespace
 
+/// What is known of samples whose flights are not seen, or were corrected, in the air that a drop falls through.
+static AirAndContact in_air(AirAndContact known, const std::optional<Ball>& ball) {
+  if (known.has_drag || known.air.density_kgpm3 == 0.0) return known;
+  known.has_drag = true;
+  known.ball = ball;
+  return known;
+}
+
+/// The rule of the named ball's sport, and the speed with which it falls; absent where no sample is nearly so fast, or
+/// none so slow: in speed a twentieth, in height a tenth, over which eps hardly changes.
+static std::optional<Rebound> rebound_within(const RestitutionSamples& samples, const AirAndContact& known) {
+  const std::optional<Ball>& ball = samples.front().conditions.ball;
+  const ReboundRule* rule = ball ? rebound_rule(*ball) : nullptr;
+  if (!rule) return std::nullopt;
+  constexpr double kNearly = 1.05;
+  const AirAndContact of_drop = in_air(known, ball);
+  Rebound rebound{*rule, OneAirAndContact(of_drop, {}).fall_mps(rule->height_m), {}};
+  bool is_above = false, is_below = false;
+  for (const RestitutionSample& s : samples) {
+    is_above = is_above || s.v_mps * kNearly > rebound.v_mps;
+    is_below = is_below || s.v_mps < rebound.v_mps * kNearly;
+  }
+  return is_above && is_below ? std::optional(std::move(rebound)) : std::nullopt;
+}
+
 /// One normal distribution of the sum.
 struct SmoothCurve::Term {
   std::size_t curve = 0;  ///< which of the places
@@ -55,7 +80,7 @@ struct SmoothCurve::Sum {
   Term best;  ///< of the likeliest place
   std::vector<double> x;
   std::size_t n_nodes = 0, n_shown = 0;
-  std::vector<FirstFlights> first_flights;
+  std::vector<FirstFlights> first_flights;      ///< their speeds from n_shown on, behind them that of the rebound
   std::vector<std::vector<std::size_t>> balls;  ///< terms of each ball of the list that may be this one
 };
 
@@ -64,6 +89,8 @@ SmoothCurve::SmoothCurve(const RestitutionSamples& samples, const std::vector<Ai
     : nodes_mps_(std::move(node_speeds_mps)) {
   std::vector<double> speeds_mps = nodes_mps_;
   for (const FirstFlights& flights : first_flights(samples)) speeds_mps.push_back(speed_of_first_impact(flights));
+  curve_.rebound = rebound_within(samples, places.front());
+  if (curve_.rebound) speeds_mps.push_back(curve_.rebound->v_mps);
   // places that are out of the question are not followed; the others are those that count in the sum
   constexpr double kHopeless = 12.0, kCounts = 6.0;
   std::optional<double> ln_s;
@@ -293,6 +320,7 @@ void SmoothCurve::describe(const RestitutionSamples& samples) {
   sum.n_shown = sum.x.size();
   sum.first_flights = first_flights(samples);
   for (const FirstFlights& flights : sum.first_flights) sum.x.push_back(log(speed_of_first_impact(flights)));
+  if (curve_.rebound) sum.x.push_back(log(curve_.rebound->v_mps));
   place_at_speeds(sum);
 
   const auto variance = [&](const Term& term, std::size_t j) {
@@ -339,6 +367,7 @@ void SmoothCurve::describe(const RestitutionSamples& samples) {
   if (has_curve) describe_step(sum, samples);
   for (std::size_t k = 0; k < sum.first_flights.size(); ++k)
     describe_heights(sum, sum.first_flights[k], sum.n_shown + k);
+  if (curve_.rebound) describe_rebound(sum, samples.front().conditions.ball, *curve_.rebound);
 }
 
 void SmoothCurve::describe_scatter(const Sum& sum) {
@@ -490,31 +519,32 @@ void SmoothCurve::describe_step(const Sum& sum, const RestitutionSamples& sample
     if (s.v_mps > curve_.step->v_mps) curve_.step->impact = std::max(curve_.step->impact.value_or(s.impact), s.impact);
 }
 
-/// @param j  of the speed of the impact that the flights began with
-void SmoothCurve::describe_heights(const Sum& sum, const FirstFlights& flights, std::size_t j) {
+/// The logarithm of a height that follows from eps at a speed, at each place linear about what is likely there.
+/// @param j          of the speed
+/// @param ln_height  (what is known, drag and contact time, eps)
+template <class Sum, class LnHeight>
+static std::vector<Quantity> heights_at(const std::vector<CurveAt>& places, const Sum& sum, std::size_t j,
+                                        LnHeight ln_height) {
   const auto column = static_cast<Eigen::Index>(j);
-  // at each place linear about what is likely there
   std::vector<Quantity> of_places;
-  for (std::size_t c = 0; c < places_.size(); ++c) {
-    const AirAndContact& known = places_[c].known();
-    const Deviation at = places_[c].at();
+  for (std::size_t c = 0; c < places.size(); ++c) {
+    const AirAndContact& known = places[c].known();
+    const Deviation at = places[c].at();
     double eps = 0.0, weights = 0.0;
-    for (const Term& term : sum.terms)
+    for (const auto& term : sum.terms)
       if (term.curve == c) weights += term.weight, eps += term.weight * term.mean[column];
     of_places.emplace_back();
     if (!(weights > 0.0)) continue;
     eps /= weights;
     constexpr double kStep = 0.02;
-    const auto ln_height = [&](double of_first, Deviation off) {
-      return ln_release_height(flights, OneAirAndContact(known, {at.ln_kappa + off.ln_kappa, at.ln_tau + off.ln_tau}),
-                               of_first);
+    const auto moved = [&](double of_eps, Deviation off) {
+      return ln_height(known, Deviation{at.ln_kappa + off.ln_kappa, at.ln_tau + off.ln_tau}, eps + of_eps);
     };
-    const auto slope = [&](Deviation step, double of_first) {
-      return (ln_height(eps + of_first, step) - ln_height(eps - of_first, {-step.ln_kappa, -step.ln_tau})) /
-             (2.0 * kStep);
+    const auto slope = [&](Deviation step, double of_eps) {
+      return (moved(of_eps, step) - moved(-of_eps, {-step.ln_kappa, -step.ln_tau})) / (2.0 * kStep);
     };
     Quantity& quantity = of_places.back();
-    quantity.offset = ln_height(eps, {});
+    quantity.offset = moved(0.0, {});
     const auto add = [&](Eigen::Index of, double factor, double about) {
       quantity.parts.emplace_back(of, factor);
       quantity.offset -= factor * about;
@@ -524,12 +554,44 @@ void SmoothCurve::describe_heights(const Sum& sum, const FirstFlights& flights, 
     if (known.has_drag) add(n_speeds, slope({kStep, 0.0}, 0.0), log(kappa_at_1_mps(known)) + at.ln_kappa);
     if (known.has_contact) add(n_speeds + 1, slope({0.0, kStep}, 0.0), log(known.contact.at_1_mps_s) + at.ln_tau);
   }
+  return of_places;
+}
+
+/// @param j  of the speed of the impact that the flights began with
+void SmoothCurve::describe_heights(const Sum& sum, const FirstFlights& flights, std::size_t j) {
+  const std::vector<Quantity> of_places =
+      heights_at(places_, sum, j, [&](const AirAndContact& known, Deviation at, double eps) {
+        return ln_release_height(flights, OneAirAndContact(known, at), eps);
+      });
   const auto scatter_too = [&](const Term& term, NormalPart& part) {
     const double one = sum.noises[term.noise].variance(sum.x[j] - places_[term.curve].x_middle());
     part.sd = hypot(part.sd, of_places[term.curve].parts.front().second * std::sqrt(one));
   };
   const auto quantity_of = [&](const Term& term) -> const Quantity& { return of_places[term.curve]; };
   add_heights(flights, stated(parts_of(sum.terms, quantity_of, scatter_too), sum.balls, -50.0, 50.0), curve_.heights);
+}
+
+/// With the eps that is stated, the root mean square.
+void SmoothCurve::describe_rebound(const Sum& sum, const std::optional<Ball>& ball, Rebound& rebound) {
+  const std::size_t j = sum.x.size() - 1;
+  const std::vector<Quantity> of_places =
+      heights_at(places_, sum, j, [&](const AirAndContact& known, Deviation at, double eps) {
+        constexpr double kLeastEps = 0.05;
+        const AirAndContact of_drop = in_air(known, ball);
+        const OneAirAndContact one(of_drop, at);
+        return log(one.rise_height_m(std::max(kLeastEps, eps) * one.fall_mps(rebound.rule.height_m)));
+      });
+  const auto root_mean_square = [&](const Term& term, NormalPart& part) {
+    const double mean = term.mean[static_cast<Eigen::Index>(j)];
+    const double one = sum.noises[term.noise].variance(sum.x[j] - places_[term.curve].x_middle());
+    part.mean += of_places[term.curve].parts.front().second * (hypot(mean, std::sqrt(one)) - mean);
+  };
+  const auto quantity_of = [&](const Term& term) -> const Quantity& { return of_places[term.curve]; };
+  const Estimate ln = stated(parts_of(sum.terms, quantity_of, root_mean_square), sum.balls, -50.0, 50.0);
+  rebound.height_m.value = exp(ln.value);
+  rebound.height_m.ci68 = Interval{exp(ln.ci68->lo), exp(ln.ci68->hi)};
+  rebound.height_m.ci95 = Interval{exp(ln.ci95->lo), exp(ln.ci95->hi)};
+  rebound.height_m.se = 0.5 * (rebound.height_m.ci68->hi - rebound.height_m.ci68->lo);
 }
 
 }  // namespace bouncelab::fit

@@ -61,6 +61,7 @@ class SmoothCurve {
   void describe_deviation(const Sum& sum);
   void describe_step(const Sum& sum, const RestitutionSamples& samples);
   void describe_heights(const Sum& sum, const FirstFlights& flights, std::size_t j);
+  void describe_rebound(const Sum& sum, const std::optional<Ball>& ball, Rebound& rebound);
 
   std::vector<CurveAt> places_;  ///< the likeliest first
   std::vector<double> nodes_mps_;

@@ -248,20 +248,28 @@ double OneAirAndContact::fall_height_m(double speed_mps) const {
   return bouncelab::fall_height_m(speed_mps, known_.gravity_mps2, kappa_per_m(speed_mps));
 }
 
+double OneAirAndContact::fall_mps(double height_m) const {
+  const double g = known_.gravity_mps2;
+  return fall_with_drag_mps(height_m, g, kappa_per_m(std::sqrt(2.0 * g * height_m)));
+}
+
+double OneAirAndContact::rise_height_m(double launch_mps) const {
+  return bouncelab::rise_height_m(launch_mps, known_.gravity_mps2, kappa_per_m(launch_mps));
+}
+
 AtThePlate OneAirAndContact::at_the_plate(double v_mps, double eps, bool from_height) const {
   const double g = known_.gravity_mps2;
   const double before_s = 2.0 * v_mps / g;
   AtThePlate at;
   if (known_.of_heights) {  // the launch that rises to h': u^2 = (g/kappa) (exp(2 kappa h') - 1)
-    at.v_mps = fall_with_drag_mps(v_mps * v_mps / (2.0 * g), g, kappa_per_m(v_mps));
+    at.v_mps = fall_mps(v_mps * v_mps / (2.0 * g));
     const double launch_mps = eps * v_mps, twice_kappa_h = kappa_per_m(launch_mps) * square(launch_mps) / g;
     const double more = std::sqrt(twice_kappa_h > 1e-6 ? (exp(twice_kappa_h) - 1.0) / twice_kappa_h : 1.0);
     at.eps = more * launch_mps / at.v_mps;
     at.stretch = exp(twice_kappa_h) / more * v_mps / at.v_mps;
     return at;
   }
-  at.v_mps = from_height ? fall_with_drag_mps(v_mps * v_mps / (2.0 * g), g, kappa_per_m(v_mps))
-                         : flight_before(v_mps, eps).landing_mps;
+  at.v_mps = from_height ? fall_mps(v_mps * v_mps / (2.0 * g)) : flight_before(v_mps, eps).landing_mps;
   const double after_s = eps * before_s, rest_s = after_s - contact_s(at.v_mps);
   if (rest_s > kLeastFlight * std::abs(after_s)) {
     const double kappa = kappa_per_m(0.5 * g * rest_s);

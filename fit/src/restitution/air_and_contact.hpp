@@ -64,6 +64,8 @@ class OneAirAndContact {
   Flight flight_before(double v_mps, double eps) const;
   /// The height of a release at rest, from the speed at the plate.
   double fall_height_m(double speed_mps) const;
+  double fall_mps(double height_m) const;
+  double rise_height_m(double launch_mps) const;
 
  private:
   double kappa_per_m(double v_mps) const;

@@ -60,8 +60,10 @@ RestitutionSample first_sample(const Onset& here, const Onset& after, const Rest
   sample.v_mps = std::sqrt(2.0 * g * *config.drop_height_m);
   const double interval_s = after.t_s - here.t_s;
   sample.eps = 0.5 * g * interval_s / sample.v_mps;
+  const double of_height = 0.5 * config.sigma_height_m.value_or(0.0) / *config.drop_height_m;
+  if (config.sigma_height_m) sample.sigma_v_mps = of_height * sample.v_mps;
   if (here.sigma_t_s && after.sigma_t_s)
-    sample.sigma_eps = sample.eps * hypot(*here.sigma_t_s, *after.sigma_t_s) / interval_s;
+    sample.sigma_eps = sample.eps * hypot(hypot(*here.sigma_t_s, *after.sigma_t_s) / interval_s, of_height);
   return sample;
 }
 

@@ -192,7 +192,30 @@ Description members_of(const Curve*) {
       member<&C::contact_pull>("contact_pull", "Likewise its contact time"),
       member<&C::share_of_drag>("share_of_drag", "Part of the variance of ε at the middle node that drag leaves"),
       member<&C::share_of_contact>("share_of_contact", "Likewise by contact time"),
-      member<&C::step>("step", "`{v_mps, eps_faster, eps_slower, change, impact}` where ε changes at once; or `null`")};
+      member<&C::step>("step", "`{v_mps, eps_faster, eps_slower, change, impact}` where ε changes at once; or `null`"),
+      member<&C::rebound>("rebound",
+                          "What a ball of a sport that is named would rebound in the test of its rules, where the "
+                          "speed of that test lies within those of the samples or a twentieth beside them, see below; "
+                          "else `null`")};
+  return all;
+}
+
+std::optional<bool> Rebound::is_within() const {
+  const double most_m = rule.most_m.value_or(HUGE_VAL);
+  if (height_m.ci95->lo >= rule.least_m && height_m.ci95->hi <= most_m) return true;
+  if (height_m.ci95->hi < rule.least_m || height_m.ci95->lo > most_m) return false;
+  return std::nullopt;
+}
+
+Description members_of(const Rebound*) {
+  using R = Rebound;
+  static constexpr Member all[]{
+      member<&R::rule>("rule", "`{by, height_m, least_m, most_m, floor, source}`, as `bouncelab balls --json` has it"),
+      member<&R::v_mps>("v_mps", "Speed of the impact, by the drag that such a ball has"),
+      member<&R::height_m, &Estimate::value>("rebound_m", "What it rebounds, by the root mean square of ε there"),
+      member<&R::height_m, &Estimate::se>("se", "Its standard error"),
+      member<&R::height_m, &Estimate::ci95>("ci95", "Its 95 % interval"),
+      member<&R::is_within>("within", "Whether the interval lies within the rule; `null`: it reaches across a limit")};
   return all;
 }
 

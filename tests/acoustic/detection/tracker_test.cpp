@@ -290,6 +290,24 @@ TEST(Tracker, NothingGivesNoTracks) {
   EXPECT_TRUE(find_tracks({test::candidate(1.0, 100.0), test::candidate(1.5, 80.0)}, test::kTiming_s).empty());
 }
 
+TEST(Tracker, AHeightSaysHowLongTheFirstFlightMayBe) {
+  const auto log_odds = [](const std::vector<Candidate>& candidates, std::optional<double> elastic_flight_s) {
+    const std::vector<Track> tracks = find_tracks(candidates, test::kTiming_s, {}, HUGE_VAL, elastic_flight_s);
+    return tracks.empty() ? -INFINITY : tracks.front().log_odds;
+  };
+  const auto ball = test::candidates_of({.first_flight_s = 1.05, .eps = 0.75, .n_impacts = 3});
+  const double alone = log_odds(ball, {});
+  EXPECT_GT(log_odds(ball, 1.4), alone + std::log(4.0));  // a fall from 2.4 m, of eps .75
+  EXPECT_LT(log_odds(ball, 0.6), alone);                  // the ball would rise higher than it fell
+  EXPECT_LT(log_odds(ball, 4.0), log_odds(ball, 1.4));    // eps .26, then .75
+  // another sound in the place of the third impact, of eps .45
+  const std::vector<Candidate> other{ball[0], ball[1], test::candidate(ball[1].t_s + 0.45 * 1.05, ball[2].amplitude)};
+  EXPECT_LT(log_odds(other, 1.4), log_odds(ball, 1.4) - std::log(4.0));
+  // a height that is wrong, by its unit for instance, does not lose a ball
+  const auto many = test::candidates_of({.n_impacts = 8});
+  for (const double wrong_s : {0.05, 0.4, 2.0, 50.0}) EXPECT_GT(log_odds(many, wrong_s), std::log(1e3)) << wrong_s;
+}
+
 TEST(Tracker, BeginWithNothingToWhichNoEnergyWasAdded) {
   std::vector<Candidate> candidates;
   double t_s = 0.4;

@@ -10,6 +10,7 @@
 #include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/files.hpp"
+#include "bouncelab/report/answer.hpp"
 #include "bouncelab/report/page.hpp"
 #include "commands/commands.hpp"
 #include "options/commands.hpp"
@@ -50,6 +51,16 @@ std::string source_of(const BallKind& kind) {
                                                    kind.contact_source)
                                      : "");
 }
+/// What balls of sports have to rebound.
+std::string rebound_rules() {
+  std::string text;
+  for (const BallKind& kind : ball_kinds())
+    if (const auto& rule = kind.rebound)
+      text += fmt::format("  {:<17} dropped from {:.4g} cm onto {}: {}; {}\n", kind.name, 100.0 * rule->height_m,
+                          rule->floor, report::asked_rebound(*rule), rule->source);
+  return text;
+}
+
 template <class Kind>
 std::string sources(const std::vector<Kind>& kinds) {
   std::string text;
@@ -85,6 +96,7 @@ Outcome run_balls() {
   outcome.text += fmt::format("{:<17} {:>16} {:>8} {:>6} {:>11} {:>6}\n", "--plate", "density[kg/m^3]", "E[GPa]", "nu",
                               "loss factor", "Hertz");
   for (const PlateKind& kind : plate_kinds()) outcome.text += line(kind);
+  outcome.text += "\nWhat balls of sports have to rebound\n" + rebound_rules();
   outcome.text +=
       "\nSources of the balls\n" + sources(ball_kinds()) + "Sources of the plates\n" + sources(plate_kinds());
   outcome.result = catalogue();

@@ -165,7 +165,7 @@ Command detect_command() {
   return {"detect",
           "Impact times of bouncing balls in recordings, with standard errors; nothing has to be set",
           "Example: bouncelab detect drop.wav --out onsets.csv --labels drop.txt",
-          {{"", files, options.get()}, section_of(options->config, "Detection")},
+          {{"", files, options.get()}, section_of(options->config, "Detection"), drop_height_section(options->config)},
           [options](Run& run) { return run_detect(*options, run); }};
 }
 

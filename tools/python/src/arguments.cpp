@@ -21,7 +21,9 @@ Sections sections_of(stages::SynthesizeOptions& options) {
   return {ball_section(options.world, "that of the impacts where they were simulated, else steel:6mm on glass"),
           section_of(options), stages::disturbances_section(options)};
 }
-Sections sections_of(stages::DetectOptions& options) { return {stages::section_of(options.config)}; }
+Sections sections_of(stages::DetectOptions& options) {
+  return {stages::section_of(options.config), stages::drop_height_section(options.config)};
+}
 Sections sections_of(stages::RestitutionOptions& options) {
   return {ball_section(options.world, "not known: drag and contact time stay open"), stages::section_of(options.config),
           section_of(options)};

@@ -99,7 +99,7 @@ std::vector<detection::RecordingDetection> detect(const Sound& sound, const std:
   const WorkingFolder folder;
   const std::string recording = file_name(sound.name);
   write_sound(recording, sound);
-  detection::Detection found = detection::detect(recording, config_of(options_json).detection);
+  detection::Detection found = detection::detect(recording, detection_config(config_of(options_json)));
   const std::size_t n_onsets = found.onsets.size();
   return {{recording, n_onsets, std::move(found)}};
 }

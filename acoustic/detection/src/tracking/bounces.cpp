@@ -60,10 +60,13 @@ double probability_of_missing(int n_missing) {
   return kTracking.detection_probability * power(1.0 - kTracking.detection_probability, n_missing);
 }
 
-Bounces::Bounces(double log_flight, double log_amplitude)
+Bounces::Bounces(double log_flight, double log_amplitude, std::optional<double> eps_of_fall)
     : first_log_flight_(log_flight),
       // the flight before the first impact is not known; it is taken for as long as that after it
-      loudness_(log_amplitude, log_flight) {}
+      loudness_(log_amplitude, log_flight) {
+  has_fall_ = eps_of_fall && prior_of_eps(*eps_of_fall) > 0.0;
+  if (has_fall_) mean_log_eps_ = log(*eps_of_fall);
+}
 
 double Bounces::learned_variance() const {
   return (kTracking.scatter_weight * square(kTracking.scatter) + sum_squares_) /
@@ -76,6 +79,7 @@ double Bounces::variance(double most_of_loss) const {
 }
 
 double Bounces::variance_of_next(int n_missing) const {
+  if (n_eps_ == 0) return square(kTracking.first_scatter) * (1.0 + n_missing);
   const double of_mean = (1.0 + 1.0 / std::min(n_of_mean_, kTracking.memory)) * (1.0 + n_missing);
   return variance(kTracking.most_scatter) * of_mean;
 }
@@ -84,7 +88,7 @@ double Bounces::density(const Flight& flight, double log_eps, double log_flight,
                         double jitter2) const {
   const double prior = prior_of_eps(flight.eps);
   double of_eps = prior;
-  if (n_eps_ > 0) {
+  if (expects_eps()) {
     const double width = std::sqrt(variance_of_next(n_missing) + jitter2);
     double of_outlier = prior;
     if (changed_log_eps_) {
@@ -99,7 +103,7 @@ double Bounces::density(const Flight& flight, double log_eps, double log_flight,
 
 double Bounces::largest_density(const Flight& flight, int n_missing, double jitter2) const {
   double of_eps = prior_of_eps(flight.eps);
-  if (n_eps_ > 0) {
+  if (expects_eps()) {
     const double width = std::sqrt(variance_of_next(n_missing) + jitter2);
     // 1 - 1/x <= log x <= x - 1
     const double mean_eps = exp(mean_log_eps_);

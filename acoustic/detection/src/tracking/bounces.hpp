@@ -28,7 +28,8 @@ class Bounces {
  public:
   /// @param log_flight     of the first flight [ln s]
   /// @param log_amplitude  of the first two impacts, their mean
-  Bounces(double log_flight, double log_amplitude);
+  /// @param eps_of_fall    of the first impact, after a fall from a known height
+  Bounces(double log_flight, double log_amplitude, std::optional<double> eps_of_fall = {});
 
   /// Density of the next impact [1/s, per unit of log amplitude].
   /// @param jitter2  variance that errors of the times add to log eps
@@ -50,10 +51,12 @@ class Bounces {
   double variance(double most_of_loss) const;  ///< what of it a ball can have
   /// Of the next log eps about the mean, itself known from a few, but for errors of the times.
   double variance_of_next(int n_missing) const;
+  bool expects_eps() const { return n_eps_ > 0 || has_fall_; }
 
   int n_eps_ = 0;  ///< ratios of intervals
   int n_of_mean_ = 0;
   double mean_log_eps_ = 0.0;
+  bool has_fall_ = false;                   ///< the mean is that of the fall until a ratio of intervals is known
   double sum_squares_ = 0.0;                ///< of the deviations of log eps from its running mean, large ones cut
   std::optional<double> changed_log_eps_;   ///< the last one, where it was far from the mean: it may stay
   double loss_ = 0.0;                       ///< -sum of log eps, large deviations cut

@@ -25,6 +25,14 @@ double density_to_come(const Flight& flight, double log_eps) {
   return density;
 }
 
+/// Density of the flight after the first impact of a drop from a known height: that of its eps. The height may be
+/// wrong, or the first impact not heard.
+/// @param of_any  density where no height is known
+double density_after_fall(double flight_s, double elastic_flight_s, double of_any) {
+  return (1.0 - kTracking.outliers) * prior_of_eps(flight_s / elastic_flight_s) / elastic_flight_s +
+         kTracking.outliers * of_any;
+}
+
 }  // namespace
 
 std::optional<Hypothesis::Step> Hypothesis::first_step(const Observation& first, const Observation& second,
@@ -41,7 +49,8 @@ std::optional<Hypothesis::Step> Hypothesis::first_step(const Observation& first,
   const double of_amplitude = student3(change - kTracking.usual_first_change, kTracking.first_change_scatter);
   const double before = first.log_odds_of_first + second.log_rise_odds;
   const auto per_second = [&](double deviation) {
-    return student3(deviation, kTracking.first_flight_scatter) / step.flight_s;
+    const double of_any = student3(deviation, kTracking.first_flight_scatter) / step.flight_s;
+    return first.elastic_flight_s ? density_after_fall(step.flight_s, *first.elastic_flight_s, of_any) : of_any;
   };
   const double largest = per_second(0.0) * of_amplitude * same_source / of_clutter;
   if (before + largest_log(largest) < least_log_odds) return {};  // most are far from it
@@ -57,7 +66,8 @@ Hypothesis::Hypothesis(const Observation& first, const Observation& second, cons
       flight_s(step.flight_s),
       last_{Impact{second.t_s, second.log_amplitude, second.sigma_s}, {first.t_s, first.log_amplitude, first.sigma_s}},
       log_flight_(step.log_flight),
-      bounces_(step.log_flight, 0.5 * (first.log_amplitude + second.log_amplitude)),
+      bounces_(step.log_flight, 0.5 * (first.log_amplitude + second.log_amplitude),
+               first.elastic_flight_s ? std::optional(step.flight_s / *first.elastic_flight_s) : std::nullopt),
       rhythm_(step.log_flight, 0.5 * (first.log_amplitude + second.log_amplitude)),
       log_odds_rhythm_{step.log_odds, step.log_odds} {}
 

@@ -56,7 +56,7 @@ std::vector<double> log_rise_odds(const std::vector<Candidate>& c, double n_in_w
 }
 
 Observations::Observations(const std::vector<Candidate>& candidates, double timing_s, const SameSource& same_source,
-                           double duration_s)
+                           double duration_s, std::optional<double> elastic_flight_s)
     : candidates_(candidates), same_source_(same_source), duration_s_(duration_s) {
   const std::vector<double> rise = log_rise_odds(candidates, kShortestWindow_s * kTracking.timing_samples / timing_s);
   for (std::size_t k = 0; k < candidates.size(); ++k) {
@@ -64,7 +64,7 @@ Observations::Observations(const std::vector<Candidate>& candidates, double timi
     const double sigma_s =
         c.reach_s < kTracking.sharp_s ? timing_s : std::max(timing_s, kTracking.timing_of_reach * c.reach_s);
     log_amplitudes_.push_back(log(c.amplitude));
-    observations_.push_back({c.t_s, sigma_s, log_amplitudes_[k], rise[k], 0.0, {}});
+    observations_.push_back({c.t_s, sigma_s, log_amplitudes_[k], rise[k], 0.0, {}, elastic_flight_s});
   }
   for (std::size_t k = 0; k < candidates.size(); ++k) observations_[k] = without(k, {});
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include "candidates/band_energies.hpp"
@@ -29,6 +30,8 @@ struct Observation {
   double log_rise_odds = 0.0;      ///< that it is an event at all (log_rise_odds())
   double log_odds_of_first = 0.0;  ///< of a track that begins with it, before its second impact
   Neighbours neighbours;
+  /// The flight after the first impact of a drop, were that elastic: of a height that is known.
+  std::optional<double> elastic_flight_s{};
 };
 
 /// Those of a recording. Refers to what it is made from.
@@ -38,7 +41,7 @@ class Observations {
   /// @param same_source    which of the candidates may have one source
   /// @param duration_s     of the recording, from 0 on
   Observations(const std::vector<Candidate>& candidates, double timing_s, const SameSource& same_source,
-               double duration_s = HUGE_VAL);
+               double duration_s = HUGE_VAL, std::optional<double> elastic_flight_s = {});
 
   std::size_t size() const { return observations_.size(); }
   const Observation& operator[](std::size_t k) const { return observations_[k]; }

@@ -207,8 +207,8 @@ std::optional<double> eps_at(const std::vector<Candidate>& c, const Track& track
 }
 
 std::vector<Track> find_tracks(const std::vector<Candidate>& candidates, double timing_s, const SameSource& same_source,
-                               double duration_s) {
-  const Observations observations(candidates, timing_s, same_source, duration_s);
+                               double duration_s, std::optional<double> elastic_flight_s) {
+  const Observations observations(candidates, timing_s, same_source, duration_s, elastic_flight_s);
   std::vector<Track> tracks = rescored(observations, Search(observations).run());
   weigh_by_drop_rate(candidates, tracks);
   std::erase_if(tracks, [](const Track& track) { return track.log_odds < kAcceptance; });

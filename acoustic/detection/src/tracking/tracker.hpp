@@ -40,7 +40,9 @@ std::optional<double> eps_at(const std::vector<Candidate>& candidates, const Tra
 ///                        one, 0.15 of that window
 /// @param same_source  which of the candidates may have one source
 /// @param duration_s   of the recording, from 0 on
+/// @param elastic_flight_s  Observation::elastic_flight_s
 std::vector<Track> find_tracks(const std::vector<Candidate>& candidates, double timing_s,
-                               const SameSource& same_source = {}, double duration_s = HUGE_VAL);
+                               const SameSource& same_source = {}, double duration_s = HUGE_VAL,
+                               std::optional<double> elastic_flight_s = {});
 
 }  // namespace bouncelab::detection

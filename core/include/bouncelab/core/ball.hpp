@@ -92,6 +92,17 @@ struct ContactDuration {
 /// else as the catalogue has it for a ball of this size and material; absent where none of them does.
 std::optional<ContactDuration> contact_duration(const Ball& ball, const std::optional<Material>& plate);
 
+/// What a ball of a sport has to rebound when it is dropped: heights of its lowest point over a hard floor.
+struct ReboundRule {
+  std::string by;  ///< who asks for it
+  double height_m = 0.0;
+  double least_m = 0.0;
+  std::optional<double> most_m;
+  std::string floor;
+  std::string source;  ///< with its edition
+};
+Description members_of(const ReboundRule*);
+
 /// A ball, or a material that balls are made of, by its name.
 struct BallKind {
   std::string name;  ///< on the command line
@@ -104,6 +115,7 @@ struct BallKind {
   std::string source;
   std::optional<ContactDuration> contact = std::nullopt;  ///< of balls for which Hertz's theory does not hold
   std::string contact_source{};
+  std::optional<ReboundRule> rebound = std::nullopt;
 };
 Description members_of(const BallKind*);
 
@@ -120,6 +132,8 @@ Description members_of(const PlateKind*);
 /// Balls of sports, then materials. Masses and diameters are the middle of what the rules allow, or their limit.
 const std::vector<BallKind>& ball_kinds();
 const std::vector<PlateKind>& plate_kinds();
+/// That of the sport whose ball has this size and, within a tenth, this mass; nullptr where there is none.
+const ReboundRule* rebound_rule(const Ball& ball);
 
 /// A ball from its description:
 ///
@@ -205,6 +219,8 @@ Flight flight_with_drag(double duration_s, double gravity_mps2, double kappa_per
 double fall_with_drag_mps(double height_m, double gravity_mps2, double kappa_per_m);
 /// The height of that release [m]: -ln(1 - kappa v^2/g) / (2 kappa); infinite from the limit speed sqrt(g/kappa) on.
 double fall_height_m(double landing_mps, double gravity_mps2, double kappa_per_m);
+/// How high a launch rises [m]: ln(1 + kappa v^2/g) / (2 kappa).
+double rise_height_m(double launch_mps, double gravity_mps2, double kappa_per_m);
 
 /// Gravity used throughout unless stated otherwise [m/s^2].
 inline constexpr double kDefaultGravity_mps2 = 9.81;

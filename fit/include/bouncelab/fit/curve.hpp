@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/description.hpp"
 #include "bouncelab/fit/estimate.hpp"
 
@@ -45,6 +46,16 @@ struct ReleaseHeight {
   Estimate height_m;
 };
 
+/// What a ball of a sport would rebound in the test of its rules, through the air down and up; on the mean of many.
+struct Rebound {
+  ReboundRule rule;
+  double v_mps = 0.0;  ///< of the impact of such a drop
+  Estimate height_m;
+  /// By the 95 % interval; absent where that reaches across a limit.
+  std::optional<bool> is_within() const;
+};
+Description members_of(const Rebound*);
+
 /// eps(v). Where nothing else is said eps is the root mean square over bounces, sqrt(mean^2 + variance): its square is
 /// what a bounce keeps of the energy on average.
 struct Curve {
@@ -67,6 +78,8 @@ struct Curve {
   /// Of each drop whose sample of impact 1 was fitted. The launch u of the flight before it is exact; the speed of
   /// impact 0 is w = u/eps, eps that of the curve at w with the scatter of one bounce; h is fall_height_m(w).
   std::vector<ReleaseHeight> heights;
+  /// Of a ball of a sport that is named, where the speed of its rule lies within those of the samples or nearly.
+  std::optional<Rebound> rebound;
 };
 Description members_of(const Curve*);
 

@@ -50,7 +50,7 @@ struct RestitutionConfig {
   /// v_0 = sqrt(2 g h). Only where impact 0 was detected.
   std::optional<double> drop_height_m;
   /// Standard errors of times and heights that state none, > 0. Absent: their digits are the least, and the fit finds
-  /// how much larger they are.
+  /// how much larger they are; a drop height is exact then.
   std::optional<double> sigma_t_s, sigma_height_m;
 };
 /// What people set: not ball and plate.

@@ -26,6 +26,9 @@ struct AnalyzeConfig {
   int n_threads = 0;          ///< of detection; 0: all cores. The result does not depend on it
 };
 
+/// That of the detection, with the gravity and the height that the restitution has.
+detection::DetectionConfig detection_config(const AnalyzeConfig& config);
+
 /// One drop: its sound and marks, and its intervals measured and as the fitted law predicts them.
 struct DropDetails {
   detection::WavePreview preview;

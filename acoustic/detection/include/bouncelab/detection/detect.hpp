@@ -22,8 +22,10 @@ struct DetectionConfig {
   std::optional<int> channel;  ///< from 0; absent = the one whose tracks of impacts are the most probable
   std::optional<int> track;    ///< of sound, from 0, of a video for instance; absent = the one with the likeliest drops
   double gravity_mps2 = kDefaultGravity_mps2;  ///< > 0; gives the impact speeds g T / 2 for the contact-time law
-  std::optional<double> rate_hz;               ///< of numbers (.npy, tables) that come without their sampling rate
-  std::int64_t min_impacts = 3;                ///< >= 3, one coefficient of restitution; drops of fewer are left out
+  /// Of the ball's lowest point at release [m], > 0: what says how long the flight after the first impact may be.
+  std::optional<double> drop_height_m;
+  std::optional<double> rate_hz;  ///< of numbers (.npy, tables) that come without their sampling rate
+  std::int64_t min_impacts = 3;   ///< >= 3, one coefficient of restitution; drops of fewer are left out
   /// RecordingSummary::lossy_coding of samples that something else has decoded; that of a file goes before it.
   std::string lossy_coding;
 };
