@@ -191,7 +191,8 @@ void CurveAt::find_noise(double step, double ln_s) {
 }
 
 /// Factors of standard errors of the digits, and what each counts beforehand: as far as 256 (a stop watch of 0.001 s)
-/// or all of the scatter, by factor^(-1/4). Those that add nothing to the scatter are counted with 1.
+/// or all of the scatter, by factor^(-1/4); of speeds all alike, since a program computed them, to any number of digits.
+/// Those that add nothing to the scatter are counted with 1.
 std::vector<std::pair<double, double>> CurveAt::timings() const {
   if (!all_.samples.timing_is_least) return {{timing_, 1.0}};
   constexpr double kFarthest = 256.0, kNothing = 0.2, kAll = 3.0;
@@ -202,7 +203,7 @@ std::vector<std::pair<double, double>> CurveAt::timings() const {
   std::vector<std::pair<double, double>> timings{{1.0, 1.0}};
   double sum = 1.0;
   for (double factor = 2.0; factor <= std::max(kFarthest, kAll * scatter); factor *= 2.0) {
-    const double share = pow(factor, -0.25);
+    const double share = samples_->front().conditions.of_flights() ? pow(factor, -0.25) : 1.0;
     sum += share;
     if (factor < kNothing * scatter)
       timings.front().second += share;

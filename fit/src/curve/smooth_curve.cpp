@@ -333,14 +333,16 @@ void SmoothCurve::describe(const RestitutionSamples& samples) {
 }
 
 void SmoothCurve::describe_scatter(const Sum& sum) {
-  double own = 0.0, shared = 0.0;
+  double own = 0.0, shared = 0.0, timing2 = 0.0;
   for (const Term& term : sum.terms) {
     const Noise& noise = sum.noises[term.noise];
     const double own2 = exp(2.0 * noise.ln_s);
     own += term.weight * own2, shared += term.weight * square(noise.rho) * own2;
+    timing2 += term.weight * square(noise.timing);
   }
   curve_.n_drops = places_.front().all().samples.n_drops;
   curve_.scatter = std::sqrt(own);
+  if (places_.front().all().samples.timing_is_least) curve_.errors_over_digits = std::sqrt(timing2);
   if (curve_.n_drops > 1) curve_.scatter_of_drops = std::sqrt(shared);
 }
 
