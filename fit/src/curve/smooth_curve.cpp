@@ -178,9 +178,9 @@ void SmoothCurve::place_at_speeds(Sum& sum) const {
     for (Eigen::Index j = 0; j < n_speeds; ++j) {
       const double x = sum.x[static_cast<std::size_t>(j)];
       std::tie(offset[j], rows(0, j)) = curve.base_at(base, x);
-      rows.col(j).segment(1, Slopes::kKnots) = curve.slopes().row(x).transpose();
+      rows.col(j).segment(1, curve.slopes().n_knots()) = curve.slopes().row(x).transpose();
     }
-    Eigen::Index row = 1 + Slopes::kKnots;
+    Eigen::Index row = 1 + curve.slopes().n_knots();
     if (known.has_drag)
       offset[n_speeds] = log(kappa_at_1_mps(known)) + curve.at().ln_kappa, rows(row++, n_speeds) = 1.0;
     if (known.has_contact)
@@ -462,7 +462,7 @@ void SmoothCurve::describe_step(const Sum& sum, const RestitutionSamples& sample
       const Eigen::VectorXd rest =
           solution.root.matrixU().solve(Eigen::VectorXd(solution.half - step.mean * half.col(k)));
       const auto [eps, unit] = curve.base_at(best.base, x_here);
-      step.slower = eps + unit * rest[0] + curve.slopes().row(x_here).dot(rest.segment(1, Slopes::kKnots));
+      step.slower = eps + unit * rest[0] + curve.slopes().row(x_here).dot(rest.segment(1, curve.slopes().n_knots()));
       steps[static_cast<std::size_t>(k)].push_back(step);
     }
   }
