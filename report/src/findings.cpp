@@ -104,7 +104,7 @@ std::string certainty(const FitResult& r, const SampleConditions& conditions) {
     intervals.push_back(interval_in_words(node.eps) + formatted(" at %.3g m/s", node.v_mps));
   const std::string text =
       "95 % intervals (19 of 20 such intervals hold the true value): ε from " + joined(intervals) +
-      (r.curve->n_drops > 1 ? formatted("; they include how the %zu drops differ.", r.curve->n_drops)
+      (r.curve->n_drops > 1      ? formatted("; they include how the %zu drops differ.", r.curve->n_drops)
        : conditions.of_flights() ? std::string(", of this drop: how much other drops differ from it is not known.")
                                  : std::string(".")) +
       scatter_as_assumed(r);
@@ -148,9 +148,8 @@ std::string limits(const FitResult& r, const std::string& measured) {
             (drag > contact ? "how strongly the air slows the ball." : "how long the ball touches the floor.");
   const auto shift = [&](std::optional<double> BudgetRow::*member, const char* cause) {
     const auto& effects = r.budget.effects;
-    if (std::none_of(effects.begin(), effects.end(), [&](const auto& effect) {
-          return effect.first == cause && effect.second == Effect::corrected;
-        }))
+    if (std::none_of(effects.begin(), effects.end(),
+                     [&](const auto& effect) { return effect.first == cause && effect.second == Effect::corrected; }))
       return;
     const auto size = [&](const BudgetRow& b) { return std::abs((b.*member).value_or(0.0)); };
     const auto worst = std::max_element(r.budget.rows.begin(), r.budget.rows.end(),

@@ -191,8 +191,8 @@ void CurveAt::find_noise(double step, double ln_s) {
 }
 
 /// Factors of standard errors of the digits, and what each counts beforehand: as far as 256 (a stop watch of 0.001 s)
-/// or all of the scatter, by factor^(-1/4); of speeds all alike, since a program computed them, to any number of digits.
-/// Those that add nothing to the scatter are counted with 1.
+/// or all of the scatter, by factor^(-1/4); of speeds all alike, since a program computed them, to any number of
+/// digits. Those that add nothing to the scatter are counted with 1.
 std::vector<std::pair<double, double>> CurveAt::timings() const {
   if (!all_.samples.timing_is_least) return {{timing_, 1.0}};
   constexpr double kFarthest = 256.0, kNothing = 0.2, kAll = 3.0;
