@@ -145,6 +145,14 @@ void add_peaks(Curve& curve, const LawFit& law) {
   }
 }
 
+/// With standard errors so many times as large.
+RestitutionSamples with_errors(RestitutionSamples samples, double factor) {
+  for (RestitutionSample& s : samples)
+    for (std::optional<double>* sigma : {&s.sigma_v_mps, &s.sigma_eps})
+      if (*sigma) **sigma *= factor;
+  return samples;
+}
+
 FitResult fit_on_these_threads(const RestitutionSamples& samples, const FitConfig& config,
                                const ProgressCallback& progress) {
   const double n_steps = config.memory == UseMemory::never ? 4.0 : 5.0;
@@ -169,8 +177,11 @@ FitResult fit_on_these_threads(const RestitutionSamples& samples, const FitConfi
     if (main.node_speeds_mps.empty() && result.curve->nodes.size() > 1)
       for (const CurveNode& node : result.curve->nodes) main.node_speeds_mps.push_back(node.v_mps);
   }
-  const RestitutionSamples moved = known.is_open() ? at_the_plate(*part, known, deviation) : RestitutionSamples{};
-  const RestitutionSamples& used = known.is_open() ? moved : *part;
+  const double errors = result.curve ? result.curve->errors_over_digits.value_or(1.0) : 1.0;
+  const bool as_they_are = !known.is_open() && errors == 1.0;
+  const RestitutionSamples moved =
+      as_they_are ? RestitutionSamples{} : at_the_plate(with_errors(*part, errors), known, deviation);
+  const RestitutionSamples& used = as_they_are ? *part : moved;
   step();
   main.n_goodness = config.n_goodness;
   main.compare_laws = true;

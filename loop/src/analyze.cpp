@@ -2,6 +2,7 @@
 #include "bouncelab/loop/analyze.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "bouncelab/audio/audio_reader.hpp"
 #include "bouncelab/core/files.hpp"
@@ -85,6 +86,14 @@ Analysis analyze_times(Onsets onsets, const AnalyzeConfig& config, const StagePr
   Analysis analysis;
   analysis.onsets = std::move(onsets);
   times_to_constants(analysis, config, progress);
+  return analysis;
+}
+
+Analysis analyze_samples(RestitutionSamples samples, const AnalyzeConfig& config, const StageProgress& progress) {
+  Analysis analysis;
+  analysis.restitution.counts.n_samples = samples.size();
+  analysis.restitution.samples = std::move(samples);
+  analysis.fit = fit::fit_all(analysis.restitution.samples, config.fit, callback(progress, "fit", "fits"));
   return analysis;
 }
 

@@ -9,7 +9,11 @@
 namespace bouncelab::report {
 
 FitInWords in_words(const fit::FitResult& result, const RestitutionSamples& samples, fit::UseMemory memory) {
-  FitInWords words{plain_answer(result, samples), {}, {}, {}, findings_of(result)};
+  FitInWords words{plain_answer(result, samples),
+                   {},
+                   {},
+                   {},
+                   findings_of(result, samples.empty() ? SampleConditions{} : samples.front().conditions)};
   words.causes = causes_of(result, words.answer, samples);
   warn(result, samples, words);
   if (memory == fit::UseMemory::always && result.memory && !result.memory->holds)

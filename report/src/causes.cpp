@@ -97,7 +97,7 @@ Cause of_roughness(const FitResult& result, const RestitutionSamples& samples) {
   cause.size = 2.0 * spread;
   const double timing = std::max(row->spread_timing_stated.value_or(0.0), row->spread_timing_lag1.value_or(0.0));
   cause.is_seen = spread > timing;
-  const std::string errors = std::string("errors of the ") + (of_heights(samples) ? "heights" : "times");
+  const std::string errors = std::string("errors of the ") + measured_in_words(samples.front().conditions);
   cause.sentence = cause.is_seen
                        ? "the roughness of ball and floor: each bounce meets another spot, which turns some of "
                          "the motion into spin or back; two thirds of the bounces lie in a band of " +

@@ -92,14 +92,15 @@ std::string scatter_as_assumed(const FitResult& r) {
       *law.chi2 / static_cast<double>(*law.ndf), *law.p_value);
 }
 
-std::string certainty(const FitResult& r) {
+std::string certainty(const FitResult& r, const SampleConditions& conditions) {
   std::vector<std::string> intervals;
   for (const CurveNode& node : r.curve->nodes)
     intervals.push_back(interval_in_words(node.eps) + formatted(" at %.3g m/s", node.v_mps));
   const std::string text =
       "95 % intervals (19 of 20 such intervals hold the true value): ε from " + joined(intervals) +
-      (r.curve->n_drops > 1 ? formatted("; they include how the %zu drops differ.", r.curve->n_drops)
-                            : std::string(", of this drop: how much other drops differ from it is not known.")) +
+      (r.curve->n_drops > 1      ? formatted("; they include how the %zu drops differ.", r.curve->n_drops)
+       : conditions.of_flights() ? std::string(", of this drop: how much other drops differ from it is not known.")
+                                 : std::string(".")) +
       scatter_as_assumed(r);
   return r.constants.parameters.size() > 1 && !describe_constants(r.constants.parameters).empty()
              ? text + " The constants go together: use them with their correlation, or quote the curve."
@@ -107,15 +108,15 @@ std::string certainty(const FitResult& r) {
 }
 
 /// The row in the middle of the speeds stands for the others.
-std::string limits(const FitResult& r) {
+std::string limits(const FitResult& r, const std::string& measured) {
   if (r.budget.rows.empty()) return "Not known: too few samples.";
   const BudgetRow& row = r.budget.rows[r.budget.rows.size() / 2];
   std::vector<std::string> parts;
-  const auto part = [&](double share, const char* cause) {
+  const auto part = [&](double share, const std::string& cause) {
     if (share >= 0.001) parts.push_back(formatted("%.*f %% ", share < 0.1 ? 1 : 0, 100.0 * share) + cause);
   };
   part(row.share_asperities, "the ball itself");
-  part(row.share_timing, "timing");
+  part(row.share_timing, measured == "times" ? "timing" : "measuring the " + measured);
   part(row.share_travel_time, "travel time of the sound");
   part(row.share_unexplained, "not explained");
   std::string text = formatted("Of the scatter of ε from bounce to bounce, as variance at %.2g m/s: ", row.v_mps) +
@@ -140,6 +141,10 @@ std::string limits(const FitResult& r) {
     text += formatted(" Of the variance of the answer %.0f %% is ", 100.0 * std::max(contact, drag)) +
             (drag > contact ? "how strongly the air slows the ball." : "how long the ball touches the floor.");
   const auto shift = [&](std::optional<double> BudgetRow::*member, const char* cause) {
+    const auto& effects = r.budget.effects;
+    if (std::none_of(effects.begin(), effects.end(),
+                     [&](const auto& effect) { return effect.first == cause && effect.second == Effect::corrected; }))
+      return;
     const auto size = [&](const BudgetRow& b) { return std::abs((b.*member).value_or(0.0)); };
     const auto worst = std::max_element(r.budget.rows.begin(), r.budget.rows.end(),
                                         [&](const auto& a, const auto& b) { return size(a) < size(b); });
@@ -209,13 +214,13 @@ std::string in_dem(const FitResult& r) {
 
 }  // namespace
 
-std::vector<Finding> findings_of(const FitResult& result) {
+std::vector<Finding> findings_of(const FitResult& result, const SampleConditions& conditions) {
   if (!result.curve) return {};
   std::vector<Finding> findings;
   if (result.is_one_ball)
     findings = {{"How does ε depend on speed?", dependence(result)},
-                {"How sure is that?", certainty(result)},
-                {"What limits it?", limits(result)},
+                {"How sure is that?", certainty(result, conditions)},
+                {"What limits it?", limits(result, measured_in_words(conditions))},
                 {"Is the scatter Gaussian?", gaussian(result.histograms)}};
   findings.push_back({"How do I use it in a DEM code?", in_dem(result)});
   if (std::string agreement = in_words(result.recordings); !agreement.empty())

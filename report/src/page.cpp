@@ -60,10 +60,12 @@ std::string escaped(const std::string& text) {
 std::string samples_json(RestitutionSamples samples, const std::string& fit_json) {
   if (samples.size() > fit::kMostShown) return {};
   const Json fit = parsed(fit_json, "fit.json");
-  const auto found = [&](const char* key) -> std::optional<double> {
-    const Json::json_pointer value(std::string("/curve/") + key + "/value");
-    return fit.contains(value) ? std::optional(fit.at(value).get<double>()) : std::nullopt;
+  const auto number = [&](const std::string& place) -> std::optional<double> {
+    const Json::json_pointer value("/curve/" + place);
+    return fit.contains(value) && fit.at(value).is_number() ? std::optional(fit.at(value).get<double>()) : std::nullopt;
   };
+  const auto found = [&](const std::string& key) { return number(key + "/value"); };
+  const double errors = number("errors_over_digits").value_or(1.0);
   if (fit.is_object() && fit.contains("curve") && !fit["curve"].is_null())
     samples = fit::at_the_plate(std::move(samples), found("kappa_per_m"), found("contact_s"));
   const bool of_intervals = !samples.empty() && !samples.front().conditions.ball && found("kappa_per_m");
@@ -71,7 +73,7 @@ std::string samples_json(RestitutionSamples samples, const std::string& fit_json
   for (const RestitutionSample& sample : samples) {
     v_mps.emplace_back(sample.v_mps);
     eps.emplace_back(sample.eps);
-    sigma_eps.emplace_back(value_of(sample.sigma_eps));
+    sigma_eps.emplace_back(sample.sigma_eps ? Value(errors * *sample.sigma_eps) : Value());
   }
   return json_text(Object{{"v_mps", v_mps}, {"eps", eps}, {"sigma_eps", sigma_eps}, {"of_intervals", of_intervals}});
 }

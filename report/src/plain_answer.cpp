@@ -194,7 +194,7 @@ std::string of_step(const RestitutionStep& step, int decimals) {
 std::string of_value(const PlainAnswer& answer, const Curve& curve, const SampleConditions& conditions) {
   const SpeedAndRestitution& at = *answer.at;
   std::string text = "ε = " + with_interval(at.eps) + " at " + speed(at.v_mps);
-  if (curve.n_drops == 1) text += ", of this drop";
+  if (curve.n_drops == 1 && conditions.of_flights()) text += ", of this drop";
   std::string before = "; it ", said;
   for (const SpeedAndRestitution& other : answer.elsewhere) {
     const std::string verb = other.eps.value < at.eps.value ? "falls " : "rises ";
@@ -213,7 +213,7 @@ std::string of_value(const PlainAnswer& answer, const Curve& curve, const Sample
   return text + (conditions.ball || !curve.kappa_per_m
                      ? "; whether it changes from " + range + " cannot be told."
                      : std::string("; whether it changes with the speed or the air does it cannot be told from the ") +
-                           (conditions.of_heights ? "heights" : "times") + ": name the ball (--ball).");
+                           measured_in_words(conditions) + ": name the ball (--ball).");
 }
 
 /// With one decimal where the standard error, 2 eps se, warrants it.
@@ -291,6 +291,10 @@ std::string asked_rebound(const ReboundRule& rule) {
   return (rule.most_m ? formatted("%.4g to %.4g", 100.0 * rule.least_m, 100.0 * *rule.most_m)
                       : formatted("at least %.3g", 100.0 * rule.least_m)) +
          " cm";
+}
+
+const char* measured_in_words(const SampleConditions& conditions) {
+  return conditions.of_heights ? "heights" : conditions.of_flights() ? "times" : "speeds";
 }
 
 std::string interval_in_words(const Estimate& e) {

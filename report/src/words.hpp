@@ -13,6 +13,8 @@ inline constexpr std::size_t kMostWarnings = 3;
 void warn(const fit::FitResult& result, const RestitutionSamples& samples, FitInWords& words);
 /// "0.947 to 0.951": the 95 % interval, which must be there.
 std::string interval_in_words(const fit::Estimate& e);
+/// What was measured: "times", "heights" or "speeds".
+const char* measured_in_words(const SampleConditions& conditions);
 PlainAnswer plain_answer(const fit::FitResult& result, const RestitutionSamples& samples);
 /// Two balls, or two floors, which nothing but the drops tells apart.
 std::string in_words(const fit::KindsOfDrops& kinds);
@@ -21,6 +23,6 @@ std::vector<Cause> causes_of(const fit::FitResult& result, const PlainAnswer& an
                              const RestitutionSamples& samples);
 /// The questions that a reader brings (five; with several recordings whether they agree, with memory whether the
 /// fluctuations remember), answered in a sentence or two from the numbers of the result.
-std::vector<Finding> findings_of(const fit::FitResult& result);
+std::vector<Finding> findings_of(const fit::FitResult& result, const SampleConditions& conditions);
 
 }  // namespace bouncelab::report

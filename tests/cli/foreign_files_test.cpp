@@ -290,6 +290,30 @@ TEST_F(ForeignFiles, HeightsInARowAreAskedAndTheAnswerGivesTheCoefficient) {
   EXPECT_NEAR(eps.number(), 0.905, 0.01);
 }
 
+TEST_F(ForeignFiles, SpeedsBeforeAndAfterAreAskedAndGoFromTheAnswerToTheReport) {
+  const std::string rows = "-4.01;2.72\n-2.74;1.92\n-1.83;1.27\n-1.3;.88\n";
+  write("v.csv", "before (m/s);after (m/s)\n" + rows);
+  const Result asked = run("v.csv --out v");
+  EXPECT_EQ(asked.exit_code, 2) << asked.err;
+  const std::string remedy = "bouncelab v.csv --out v --columns 'v_in=before (m/s),v_out=after (m/s)'";
+  EXPECT_THAT(asked.err, HasSubstr(remedy));
+  const Result answered = shell("\"$B\" " + remedy.substr(10));
+  EXPECT_EQ(answered.exit_code, 0) << answered.err;
+  EXPECT_THAT(answered.out, AllOf(HasSubstr("ε = 0.6"), Not(HasSubstr("of this drop")), HasSubstr("report.html")));
+  EXPECT_FALSE(fs::exists(folder_ / "v/onsets.csv"));
+  const Json fit(content("v/fit.json"));
+  // two digits behind the point, of numbers that scatter by a hundredth
+  EXPECT_GT(fit["curve"]["errors_over_digits"].number(), 1.0);
+  std::string findings;
+  for (std::size_t k = 0; k < fit["answers"].size(); ++k) findings += fit["answers"][k]["answer"].text();
+  EXPECT_THAT(findings, AllOf(HasSubstr("measuring the speeds"), Not(HasSubstr("timing"))));
+  // a table of samples goes the same way
+  const Result again = run("v/samples.csv --out again");
+  EXPECT_EQ(again.exit_code, 0) << again.err;
+  const auto eps = [](const Json& of) { return of["answer"]["at"]["eps"].number(); };
+  EXPECT_EQ(eps(Json(content("again/fit.json"))), eps(fit));
+}
+
 TEST_F(ForeignFiles, NumbersOfRowsBesideTimesAreNoLabels) {
   for (const char* table :
        {"1\t400\n2\t1000\n3\t1510\n", "1\t400\tx\n2\t1000\ty\n3\t1510\tz\n", "1\t400\t7\n2\t1000\t8\n3\t1510\t9\n"}) {

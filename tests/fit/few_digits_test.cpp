@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
+#include <iterator>
 #include <string>
 
 #include "bouncelab/core/foreign_table.hpp"
@@ -58,12 +59,34 @@ RestitutionSamples samples_by_hand(const ByHand& by_hand, std::uint64_t number) 
   return restitution_samples(onsets_from_table(taken.table, "x"), config).samples;
 }
 
-void expect_coverage(const char* name, const ByHand& by_hand) {
+/// Speeds before and after the bounces of one drop, each to 2 % and two digits, as `measured: digits`.
+RestitutionSamples speeds_to_two_percent(std::uint64_t number) {
+  Random random(65, RandomStream::test, number);
+  constexpr double kDigit_mps = 0.01;
+  const auto read = [&](double v_mps) {
+    return kDigit_mps * std::round(v_mps * (1.0 + 0.02 * random.normal()) / kDigit_mps);
+  };
+  RestitutionSamples samples;
+  for (double v_mps = 4.5; samples.size() < 8;) {
+    const double before_mps = read(v_mps);
+    v_mps *= eps_by_hand(v_mps) + kScatter * random.normal();
+    RestitutionSample& s = samples.emplace_back();
+    const double after_mps = read(v_mps);
+    s.impact = std::ssize(samples);
+    s.v_mps = before_mps, s.eps = after_mps / before_mps;
+    s.sigma_eps = s.eps * kDigit_mps / std::sqrt(12.0) * std::hypot(1.0 / before_mps, 1.0 / after_mps);
+    s.conditions.sigma_is_least = true;
+  }
+  return samples;
+}
+
+template <class Samples>
+void expect_coverage(const char* name, const Samples& samples_of) {
   const int n_tables = test::repetitions(12, 200);
   int n_held = 0, n_without = 0, n_flagged = 0;
   double width = 0.0, error = 0.0;
   for (int number = 0; number < n_tables; ++number) {
-    const RestitutionSamples samples = samples_by_hand(by_hand, static_cast<std::uint64_t>(number));
+    const RestitutionSamples samples = samples_of(static_cast<std::uint64_t>(number));
     for (const RestitutionSample& s : samples) n_flagged += !s.flags.empty();
     LeftOut left_out;
     const PartOfSamples used = usable_samples(samples, left_out);
@@ -85,12 +108,20 @@ void expect_coverage(const char* name, const ByHand& by_hand) {
   EXPECT_GE(n_held, std::ceil(0.95 * n_tables - 3.0 * std::sqrt(0.95 * 0.05 * n_tables) - 0.5)) << name;
 }
 
-TEST(FewDigits, OfHeightsHoldTheTruth) {
-  for (const int n_drops : {1, 3})
-    expect_coverage(n_drops == 1 ? "heights of one drop" : "heights of three drops", {true, n_drops, 7, 0.01, 0.01});
+void expect_coverage_by_hand(const char* name, const ByHand& by_hand) {
+  expect_coverage(name, [&](std::uint64_t number) { return samples_by_hand(by_hand, number); });
 }
 
-TEST(FewDigits, OfAStopWatchHoldTheTruth) { expect_coverage("stop watch, three drops", {false, 3, 8, 0.05, 0.01}); }
+TEST(FewDigits, OfHeightsHoldTheTruth) {
+  expect_coverage_by_hand("heights of one drop", {true, 1, 7, 0.01, 0.01});
+  expect_coverage_by_hand("heights of three drops", {true, 3, 7, 0.01, 0.01});
+}
+
+TEST(FewDigits, OfAStopWatchHoldTheTruth) {
+  expect_coverage_by_hand("stop watch, three drops", {false, 3, 8, 0.05, 0.01});
+}
+
+TEST(FewDigits, OfSpeedsHoldTheTruth) { expect_coverage("speeds before and after", speeds_to_two_percent); }
 
 }  // namespace
 }  // namespace bouncelab::fit

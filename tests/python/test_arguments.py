@@ -15,7 +15,7 @@ from support import Case, program, small_impacts, small_sound
 NOT_IN_PYTHON = {"help", "json", "quiet", "config", "out", "labels", "force", "list"}
 NOT_IN = {"simulate": {"write_surface"}, "synthesize": {"truth", "each_drop", "codec"}, "fit": {"table", "histograms", "columns"},
           # that draws no random numbers; from_csv takes what files are
-          "restitution": {"seed", "threads", "as", "unit", "columns", "tier"}}
+          "restitution": {"seed", "threads", "as", "columns", "tier"}}
 IN_PYTHON = {"progress", "name"}
 COMMANDS = ["simulate", "synthesize", "detect", "restitution", "fit", "roughness", "calibrate", "loop"]
 

@@ -229,6 +229,21 @@ class Tables(Case):
             file.write("a;b\n1,2;0,85\n1,0;0,86\n")
         np.testing.assert_allclose(bl.Samples.from_csv(self.path("v.csv"), columns="v=a,eps=b").eps, [0.85, 0.86])
 
+    def test_heights_are_those_of_a_table(self):
+        with open(self.path("h.csv"), "w") as file:
+            file.write("drop,h (cm)\n1,100\n1,81\n1,66\n1,53\n2,98.5\n2,80\n2,64\n")
+        expected = bl.restitution(self.path("h.csv"), sigma_height=0.01)
+        found = bl.restitution(heights=[[100, 81, 66, 53], np.array([98.5, 80, 64])], unit="cm", sigma_height=0.01)
+        for column in ("drop", "v_mps", "eps", "sigma_eps"):
+            np.testing.assert_array_equal(found[column], expected[column])
+        np.testing.assert_array_equal(bl.restitution(heights=np.array([1, 0.81])).eps, [0.9])
+        for heights, unit, message in [([1, 0], "m", "a height of 0"), ([1], "m", "one height"), ([1, 0.8], "s", "--unit s"),
+                                       ([], "m", "no line"), ([1, float("nan")], "m", "nan")]:
+            with self.subTest(heights), self.assertRaisesRegex(ValueError, message):
+                bl.restitution(heights=heights, unit=unit)
+        with self.assertRaisesRegex(ValueError, "onsets or heights"):
+            bl.restitution()
+
     def test_the_sound_shown_is_that_of_the_channel_with_the_ball(self):
         sound = small_sound(bl, small_impacts(bl, drops=1))
         onsets = bl.detect(np.stack([np.zeros_like(sound.samples), sound.samples], axis=1), sound.rate)

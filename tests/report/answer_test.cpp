@@ -237,7 +237,7 @@ TEST(FitInWords, AnswersTheFiveQuestionsOfAReader) {
   };
   EXPECT_TRUE(says(0, "A2 = 0.0")) << words.findings[0].answer;
   EXPECT_TRUE(says(1, "95 % intervals") && says(1, "as the fit assumes")) << words.findings[1].answer;
-  EXPECT_TRUE(says(2, "the ball itself") && says(2, "timing")) << words.findings[2].answer;
+  EXPECT_TRUE(says(2, "the ball itself") && says(2, "measuring the speeds")) << words.findings[2].answer;
   EXPECT_TRUE(says(3, "No: ") && says(3, "8 of 8") && says(3, "falling over rising at 0.7 m/s: "))
       << words.findings[3].answer;
   EXPECT_TRUE(says(4, "√⟨ε²⟩ = 0.9795") && says(4, "0.52 m/s")) << words.findings[4].answer;

@@ -58,14 +58,21 @@ FUNCTIONS = {
             >>> len(onsets)
             30'''),
     "restitution": dict(
-        what="Coefficients of restitution from impact times: ratios of neighbouring intervals.",
-        positional=[("onsets", "Onsets, mapping or path", None, "The column ``t_s`` is enough.")],
-        returns=("Samples", "One for each impact that has one before and one after it."),
-        call="_stages.restitution(onsets, given)", progress=False, without={"seed", "threads"},
+        what="Coefficients of restitution from impact times, ratios of neighbouring intervals, or from heights.",
+        positional=[
+            ("onsets", "Onsets, mapping or path", "None", "The column ``t_s`` is enough."),
+            ("heights", "list or array, or a list of them", "None",
+             "In place of onsets: heights that a ball was dropped from and rose to, one after the other; a list of its "
+             "own for each drop.")],
+        keywords=[("unit", "str", "m", "Of heights: m, cm, mm, in or ft.")],
+        returns=("Samples", "One for each impact that has one before and one after it; of heights for each bounce."),
+        call="_stages.restitution(onsets, heights, unit, given)", progress=False, without={"seed", "threads"},
         example='''
             >>> import bouncelab as bl
             >>> samples = bl.restitution(bl.Onsets(t=[0.0, 1.0, 1.9, 2.71]))
             >>> samples.eps.round(12)
+            array([0.9, 0.9])
+            >>> bl.restitution(heights=[100, 81, 66], unit="cm").eps.round(2)
             array([0.9, 0.9])'''),
     "fit": dict(
         what="The law eps(v) and the distribution of eps about it.",

@@ -222,6 +222,7 @@ BudgetConfig budget_config_of(const RestitutionSamples& samples, BudgetConfig ba
   const SampleConditions& said = samples.front().conditions;
   if (said.drag_corrected) base.drag = Effect::absent;
   if (said.contact_time_corrected) base.contact_time = Effect::absent;
+  if (said.of_heights) base.contact_time = base.travel_time = Effect::absent;
   if (said.travel_time_corrected && base.travel_time == Effect::present) base.travel_time = Effect::corrected;
   base.wave_speed_mps = said.wave_speed_mps.value_or(base.wave_speed_mps);
   if (said.ball) base.ball = said.ball;

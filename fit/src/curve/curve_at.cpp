@@ -47,7 +47,7 @@ void CurveAt::find(std::optional<double> ln_s, double hopeless) {
     if (turn + 1 == kMostTurns || n_open() == 0 || ln_evidence() < hopeless) return;
     const Eigen::VectorXd unknowns = likeliest().second, found = unknowns.tail(n_open());
     for (Eigen::Index i = 0; i < slope_.size(); ++i)
-      slope_[i] = slopes_.slope_row(all_.samples.x[i]).dot(unknowns.segment(1, Slopes::kKnots));
+      slope_[i] = slopes_.slope_row(all_.samples.x[i]).dot(unknowns.segment(1, slopes_.n_knots()));
     Deviation next = at_;
     Eigen::Index k = 0;
     const auto move = [&](double& deviation, double sd) {
@@ -74,7 +74,7 @@ void CurveAt::prepare() {
   const double anchor = median(std::vector<double>(x.data(), x.data() + x.size()));
   double lo = x.minCoeff(), hi = x.maxCoeff();
   for (const double v_mps : speeds_mps_) lo = std::min(lo, log(v_mps)), hi = std::max(hi, log(v_mps));
-  slopes_ = Slopes(lo, hi, anchor);
+  slopes_ = Slopes(lo, hi, anchor, x.size());
   eps_0_ = median(std::vector<double>(all_.samples.eps.data(), all_.samples.eps.data() + x.size()));
   lost_ = std::clamp(1.0 - eps_0_, 0.03, 0.6);
   base_constants_.clear();
@@ -94,17 +94,17 @@ void CurveAt::set_columns() {
   const PlateSamples& s = all_.samples;
   const auto n_bases = static_cast<Eigen::Index>(bases().size());
   Eigen::MatrixXd& columns = all_.columns;
-  columns.resize(s.size(), 2 * n_bases + Slopes::kKnots + n_open() + 1);
+  columns.resize(s.size(), 2 * n_bases + slopes_.n_knots() + n_open() + 1);
   for (Eigen::Index i = 0; i < s.size(); ++i) {
     for (Eigen::Index b = 0; b < n_bases; ++b) {
       const auto [eps, unit] = base_at(static_cast<std::size_t>(b), s.x[i]);
       columns(i, b) = unit;
       columns(i, residual_of(static_cast<std::size_t>(b))) = s.eps[i] - eps;
     }
-    columns.row(i).segment(n_bases, Slopes::kKnots) = slopes_.row(s.x[i]);
+    columns.row(i).segment(n_bases, slopes_.n_knots()) = slopes_.row(s.x[i]);
     // with drag or contact time another eps and another speed would have been, and the curve is another there
     for (Eigen::Index j = 0; j < n_open(); ++j)
-      columns(i, n_bases + Slopes::kKnots + j) = slope_[i] * s.dx(i, j) - s.deps(i, j);
+      columns(i, n_bases + slopes_.n_knots() + j) = slope_[i] * s.dx(i, j) - s.deps(i, j);
   }
   columns.rightCols(1) = s.excess;
   some_.columns = columns(some_rows_, Eigen::all);
@@ -121,7 +121,7 @@ std::pair<double, double> CurveAt::base_at(std::size_t base, double x) const {
 
 std::vector<Eigen::Index> CurveAt::unknowns_of(std::size_t base) const {
   std::vector<Eigen::Index> unknowns{static_cast<Eigen::Index>(base)};
-  for (Eigen::Index j = 0; j < Slopes::kKnots + n_open(); ++j)
+  for (Eigen::Index j = 0; j < slopes_.n_knots() + n_open(); ++j)
     unknowns.push_back(static_cast<Eigen::Index>(bases().size()) + j);
   return unknowns;
 }
@@ -140,7 +140,7 @@ LinearEquations CurveAt::linear(const Gram& gram, std::size_t base) const {
   linear.precision(0, 0) += precision;
   linear.right[0] += off * precision;
   linear.constant -= 0.5 * square(off) * precision + log(kEpsSd);
-  add_prior_of_deviations(gram, linear, 1 + Slopes::kKnots);
+  add_prior_of_deviations(gram, linear, 1 + slopes_.n_knots());
   return linear;
 }
 
@@ -191,7 +191,8 @@ void CurveAt::find_noise(double step, double ln_s) {
 }
 
 /// Factors of standard errors of the digits, and what each counts beforehand: as far as 256 (a stop watch of 0.001 s)
-/// or all of the scatter, by factor^(-1/4). Those that add nothing to the scatter are counted with 1.
+/// or all of the scatter, by factor^(-1/4); of speeds all alike, since a program computed them, to any number of
+/// digits. Those that add nothing to the scatter are counted with 1.
 std::vector<std::pair<double, double>> CurveAt::timings() const {
   if (!all_.samples.timing_is_least) return {{timing_, 1.0}};
   constexpr double kFarthest = 256.0, kNothing = 0.2, kAll = 3.0;
@@ -202,7 +203,7 @@ std::vector<std::pair<double, double>> CurveAt::timings() const {
   std::vector<std::pair<double, double>> timings{{1.0, 1.0}};
   double sum = 1.0;
   for (double factor = 2.0; factor <= std::max(kFarthest, kAll * scatter); factor *= 2.0) {
-    const double share = pow(factor, -0.25);
+    const double share = samples_->front().conditions.of_flights() ? pow(factor, -0.25) : 1.0;
     sum += share;
     if (factor < kNothing * scatter)
       timings.front().second += share;
@@ -255,7 +256,7 @@ bool CurveAt::take_outliers_in() {
   bool changed = false;
   for (Eigen::Index i = 0; i < s.size(); ++i) {
     Eigen::VectorXd row(n_unknowns());
-    row << all_.columns(i, 0), all_.columns.row(i).segment(n_bases, Slopes::kKnots + n_open()).transpose();
+    row << all_.columns(i, 0), all_.columns.row(i).segment(n_bases, slopes_.n_knots() + n_open()).transpose();
     const double residual =
         all_.columns(i, residual_of(kConstant)) - square(noise.timing) * s.excess[i] - row.dot(unknowns);
     const double size2 = noise.variance(s.x[i] - slopes_.anchor());
@@ -276,7 +277,7 @@ bool CurveAt::take_outliers_in() {
     const double inflation = total / inverse;
     changed = changed || std::abs(log(inflation / all_.inflation[i])) > log(2.0);
     all_.inflation[i] = inflation;
-    slope_[i] = slopes_.slope_row(s.x[i]).dot(unknowns.segment(1, Slopes::kKnots));
+    slope_[i] = slopes_.slope_row(s.x[i]).dot(unknowns.segment(1, slopes_.n_knots()));
   }
   set_columns();
   return changed;

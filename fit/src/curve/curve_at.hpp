@@ -86,7 +86,7 @@ class CurveAt {
   double lost() const { return lost_; }  ///< about 1 - eps
   double x_middle() const { return slopes_.anchor(); }
   Eigen::Index n_open() const { return all_.samples.dx.cols(); }
-  Eigen::Index n_unknowns() const { return 1 + Slopes::kKnots + n_open(); }
+  Eigen::Index n_unknowns() const { return 1 + slopes_.n_knots() + n_open(); }
 
  private:
   void prepare();
@@ -103,7 +103,7 @@ class CurveAt {
   Part all_, some_;
   std::vector<Eigen::Index> some_rows_;
   Eigen::VectorXd slope_;  ///< of the curve found so far, at all samples
-  Slopes slopes_{0.0, 1.0, 0.0};
+  Slopes slopes_{0.0, 1.0, 0.0, 0};
   double eps_0_ = 0.8, lost_ = 0.2, timing_ = 1.0;
   std::vector<double> base_constants_;
   LikelyNoise noise_;

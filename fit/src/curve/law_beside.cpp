@@ -28,19 +28,19 @@ LawBeside SmoothCurve::beside(const LawModel& law, const Eigen::VectorXd& q,
       for (Eigen::Index i = 0; i < s.size(); ++i)
         to_mean[i] = scatter->mean_minus_peak(v_mps[static_cast<std::size_t>(i)]);
     const auto n_bases = static_cast<Eigen::Index>(bases().size());
-    Eigen::MatrixXd columns(s.size(), q.size() + 1 + Slopes::kKnots + n_open + 1);
-    columns << law.jacobian(v_mps, q), to_mean, part.columns.middleCols(n_bases, Slopes::kKnots + n_open),
+    Eigen::MatrixXd columns(s.size(), q.size() + 1 + curve.slopes().n_knots() + n_open + 1);
+    columns << law.jacobian(v_mps, q), to_mean, part.columns.middleCols(n_bases, curve.slopes().n_knots() + n_open),
         s.eps - square(curve.timing()) * s.excess - law.eps(v_mps, q) - to_mean;
     return columns;
   };
   const Eigen::MatrixXd all = columns_of(curve.all()), some = curve.all().samples.size() == curve.some().samples.size()
                                                                   ? all
                                                                   : columns_of(curve.some());
-  const Eigen::Index n_law = q.size() + 1, n = n_law + Slopes::kKnots + n_open;
+  const Eigen::Index n_law = q.size() + 1, n = n_law + curve.slopes().n_knots() + n_open;
   std::vector<Eigen::Index> alone, with;
   for (Eigen::Index k = 0; k < n; ++k) {
     with.push_back(k);
-    if (k < n_law || k >= n_law + Slopes::kKnots) alone.push_back(k);
+    if (k < n_law || k >= n_law + curve.slopes().n_knots()) alone.push_back(k);
   }
   const auto equations = [&](const Gram& gram, const std::vector<Eigen::Index>& unknowns) {
     LinearEquations linear{gram.of(unknowns, unknowns), gram.of(unknowns, n), -0.5 * (gram.ln_det + gram.of(n, n))};
@@ -91,7 +91,7 @@ LawBeside SmoothCurve::beside(const LawModel& law, const Eigen::VectorXd& q,
   for (std::size_t k = 0; k < kPlaces; ++k) {
     const double x = lo_ + (hi_ - lo_) * static_cast<double>(k) / (kPlaces - 1);
     Eigen::VectorXd row = Eigen::VectorXd::Zero(n);
-    row.segment(n_law, Slopes::kKnots) = curve.slopes().row(x).transpose();
+    row.segment(n_law, curve.slopes().n_knots()) = curve.slopes().row(x).transpose();
     row.head(q.size()) = law.jacobian(std::vector{exp(x)}, q).row(0).transpose();
     const double off = row.dot(unknowns), sd = Eigen::VectorXd(best.root.matrixL().solve(row)).norm();
     if (std::abs(off) > most * sd) most = std::abs(off) / sd, beside.misfit.v_mps = exp(x), beside.misfit.off = off;

@@ -114,8 +114,9 @@ PlateSamples plate_samples(const RestitutionSamples& samples, const AirAndContac
     RestitutionSamples measured, train;
     for (const std::size_t k : drop.rows) measured.push_back(samples[k]);
     train = measured;
-    if (all.timing_is_least) smooth(train);
-    for (std::size_t k = 0; k < train.size() && all.timing_is_least; ++k) {
+    const bool is_train = all.timing_is_least && samples.front().conditions.of_flights();
+    if (is_train) smooth(train);
+    for (std::size_t k = 0; k < train.size() && is_train; ++k) {
       measured[k].eps = train[k].eps + (measured[k].eps - train[k].eps) * measured[k].v_mps / train[k].v_mps;
       measured[k].v_mps = train[k].v_mps;
     }
@@ -139,7 +140,7 @@ PlateSamples plate_samples(const RestitutionSamples& samples, const AirAndContac
       }
       OfOnsets of = of_onsets(samples[drop.rows[k]], known.gravity_mps2);
       of.by_time = of_onsets(in_train, known.gravity_mps2).by_time;
-      const bool of_times = s.conditions.gravity_mps2.has_value();
+      const bool of_times = s.conditions.of_flights();
       all.eps[row] = plate.eps;
       // to second order: a ratio of two noisy intervals, or a root of one of heights, is too large on average
       if (all.timing_is_least)

@@ -16,6 +16,8 @@ namespace {
 // in a factor e of speed, that of what yields 0.4 to 2; a step of half of 1 - eps within 0.1 is 3 with an ell of 0.1.
 constexpr double kSigmas[] = {0.001, 0.004, 0.012, 0.036, 0.11, 0.33, 1.0, 3.0};
 constexpr double kEllS[] = {0.12, 0.4, 1.3, 4.5, 15.0, 60.0};
+// a step smears over two of many
+constexpr Eigen::Index kFewestKnots = 12, kMostKnots = 32;
 constexpr double kSigmaMiddle = 0.1, kLnSigmaSd = 1.7, kEllMiddle = 2.0, kLnEllSd = 1.8;
 
 std::vector<Slopes::Place> places_of(std::initializer_list<std::size_t> of_sigma,
@@ -35,15 +37,16 @@ std::vector<Slopes::Place> places_of(std::initializer_list<std::size_t> of_sigma
 
 }  // namespace
 
-Slopes::Slopes(double lo, double hi, double anchor) : anchor_(anchor) {
+Slopes::Slopes(double lo, double hi, double anchor, Eigen::Index n_samples)
+    : n_knots_(std::clamp(n_samples / 2, kFewestKnots, kMostKnots)), anchor_(anchor) {
   const double beyond = 0.02 * (hi - lo) + 1e-3;
   first_ = lo - beyond;
-  distance_ = (hi - lo + 2.0 * beyond) / static_cast<double>(kKnots - 1);
+  distance_ = (hi - lo + 2.0 * beyond) / static_cast<double>(n_knots_ - 1);
 }
 
 Eigen::RowVectorXd Slopes::primitive(double x) const {
-  Eigen::RowVectorXd row(kKnots);
-  for (Eigen::Index k = 0; k < kKnots; ++k) {
+  Eigen::RowVectorXd row(n_knots_);
+  for (Eigen::Index k = 0; k < n_knots_; ++k) {
     const double u = std::clamp((x - first_) / distance_ - static_cast<double>(k), -1.0, 1.0);
     row[k] = distance_ * (u <= 0.0 ? 0.5 * square(1.0 + u) : 0.5 + u - 0.5 * u * u);
   }
@@ -54,8 +57,8 @@ Eigen::RowVectorXd Slopes::primitive(double x) const {
 Eigen::RowVectorXd Slopes::row(double x) const { return primitive(x) - primitive(anchor_); }
 
 Eigen::RowVectorXd Slopes::slope_row(double x) const {
-  Eigen::RowVectorXd row(kKnots);
-  for (Eigen::Index k = 0; k < kKnots; ++k)
+  Eigen::RowVectorXd row(n_knots_);
+  for (Eigen::Index k = 0; k < n_knots_; ++k)
     row[k] = std::max(0.0, 1.0 - std::abs((x - first_) / distance_ - static_cast<double>(k)));
   return row;
 }
@@ -74,14 +77,14 @@ double Slopes::add_precision(const Place& place, double lost, Eigen::Ref<Eigen::
                              Eigen::Index first) const {
   const double a = exp(-distance_ / place.ell), left = -std::expm1(-2.0 * distance_ / place.ell);  // 1 - a^2
   const double sigma2 = square(place.sigma * lost), scale = 1.0 / (sigma2 * left);
-  for (Eigen::Index k = 0; k < kKnots; ++k) {
-    const bool at_end = k == 0 || k + 1 == kKnots;
+  for (Eigen::Index k = 0; k < n_knots_; ++k) {
+    const bool at_end = k == 0 || k + 1 == n_knots_;
     matrix(first + k, first + k) += scale * (at_end ? 1.0 : 1.0 + a * a);
-    if (k + 1 == kKnots) break;
+    if (k + 1 == n_knots_) break;
     matrix(first + k, first + k + 1) -= scale * a;
     matrix(first + k + 1, first + k) -= scale * a;
   }
-  return -static_cast<double>(kKnots) * log(sigma2) - static_cast<double>(kKnots - 1) * log(left);
+  return -static_cast<double>(n_knots_) * log(sigma2) - static_cast<double>(n_knots_ - 1) * log(left);
 }
 
 const std::vector<Base>& bases() {

@@ -11,15 +11,15 @@ namespace bouncelab::fit {
 /// Source: Taylor, Cumberland & Sy, J. Am. Stat. Assoc. 89, 727 (1994), doi:10.2307/2290898. (docs/physics.md, 10)
 class Slopes {
  public:
-  static constexpr Eigen::Index kKnots = 32;  ///< a step smears over two of them
-
-  /// @param lo, hi  of x = ln v, over which the knots are spread. @param anchor  where the curve is eps_0
-  Slopes(double lo, double hi, double anchor);
+  /// @param lo, hi     of x = ln v, over which the knots are spread. @param anchor  where the curve is eps_0
+  /// @param n_samples  few show no detail, for which many knots would only take time
+  Slopes(double lo, double hi, double anchor, Eigen::Index n_samples);
 
   /// d f(x) / d (slope at each knot).
   Eigen::RowVectorXd row(double x) const;
   /// d f'(x) / d (slope at each knot).
   Eigen::RowVectorXd slope_row(double x) const;
+  Eigen::Index n_knots() const { return n_knots_; }
   double anchor() const { return anchor_; }
   double distance() const { return distance_; }  ///< of the knots
 
@@ -38,6 +38,7 @@ class Slopes {
 
  private:
   Eigen::RowVectorXd primitive(double x) const;
+  Eigen::Index n_knots_;
   double first_ = 0.0, distance_ = 1.0, anchor_ = 0.0;
 };
 

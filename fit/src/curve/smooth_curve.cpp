@@ -205,9 +205,9 @@ void SmoothCurve::place_at_speeds(Sum& sum) const {
     for (Eigen::Index j = 0; j < n_speeds; ++j) {
       const double x = sum.x[static_cast<std::size_t>(j)];
       std::tie(offset[j], rows(0, j)) = curve.base_at(base, x);
-      rows.col(j).segment(1, Slopes::kKnots) = curve.slopes().row(x).transpose();
+      rows.col(j).segment(1, curve.slopes().n_knots()) = curve.slopes().row(x).transpose();
     }
-    Eigen::Index row = 1 + Slopes::kKnots;
+    Eigen::Index row = 1 + curve.slopes().n_knots();
     if (known.has_drag)
       offset[n_speeds] = log(kappa_at_1_mps(known)) + curve.at().ln_kappa, rows(row++, n_speeds) = 1.0;
     if (known.has_contact)
@@ -371,14 +371,16 @@ void SmoothCurve::describe(const RestitutionSamples& samples) {
 }
 
 void SmoothCurve::describe_scatter(const Sum& sum) {
-  double own = 0.0, shared = 0.0;
+  double own = 0.0, shared = 0.0, timing2 = 0.0;
   for (const Term& term : sum.terms) {
     const Noise& noise = sum.noises[term.noise];
     const double own2 = exp(2.0 * noise.ln_s);
     own += term.weight * own2, shared += term.weight * square(noise.rho) * own2;
+    timing2 += term.weight * square(noise.timing);
   }
   curve_.n_drops = places_.front().all().samples.n_drops;
   curve_.scatter = std::sqrt(own);
+  if (places_.front().all().samples.timing_is_least) curve_.errors_over_digits = std::sqrt(timing2);
   if (curve_.n_drops > 1) curve_.scatter_of_drops = std::sqrt(shared);
 }
 
@@ -495,7 +497,7 @@ void SmoothCurve::describe_step(const Sum& sum, const RestitutionSamples& sample
       const Eigen::VectorXd rest =
           solution.root.matrixU().solve(Eigen::VectorXd(solution.half - step.mean * half.col(k)));
       const auto [eps, unit] = curve.base_at(best.base, x_here);
-      step.slower = eps + unit * rest[0] + curve.slopes().row(x_here).dot(rest.segment(1, Slopes::kKnots));
+      step.slower = eps + unit * rest[0] + curve.slopes().row(x_here).dot(rest.segment(1, curve.slopes().n_knots()));
       steps[static_cast<std::size_t>(k)].push_back(step);
     }
   }

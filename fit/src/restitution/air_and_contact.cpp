@@ -111,12 +111,10 @@ AirAndContact conditions_of(const RestitutionSamples& samples) {
   const SampleConditions& said = samples.front().conditions;
   known.gravity_mps2 = said.gravity_mps2.value_or(kDefaultGravity_mps2);
   if (said.air_kgpm3) known.air.density_kgpm3 = *said.air_kgpm3;
-  // speeds without a gravity are of no intervals: measured as they are
-  const bool of_intervals = said.gravity_mps2.has_value();
-  known.has_drag =
-      of_intervals && !said.drag_corrected && known.air.density_kgpm3 > 0.0 && median_speed_mps(samples) < kFastest_mps;
+  known.has_drag = said.of_flights() && !said.drag_corrected && known.air.density_kgpm3 > 0.0 &&
+                   median_speed_mps(samples) < kFastest_mps;
   known.of_heights = said.of_heights;
-  known.has_contact = of_intervals && !said.contact_time_corrected && !said.of_heights;
+  known.has_contact = said.of_flights() && !said.contact_time_corrected && !said.of_heights;
   return known;
 }
 

@@ -184,6 +184,10 @@ Description members_of(const Curve*) {
       member<&C::scatter>("scatter", "Standard deviation of ε from bounce to bounce, at the median speed"),
       member<&C::scatter_of_drops>("scatter_of_drops",
                                    "Standard deviation of what the bounces of a drop share; `null` of one drop"),
+      member<&C::errors_over_digits>(
+          "errors_over_digits",
+          "Standard errors of times, heights or speeds over those of their digits, as the fit "
+          "finds them; `null` where they are stated"),
       member<&C::n_drops>("n_drops", "Drops; of one the curve is that of this drop"),
       member<&C::kappa_per_m>("kappa_per_m", "Drag over speed squared at 1 m/s [1/m]; `null`: none"),
       member<&C::contact_s>("contact_s", "Contact time at 1 m/s; `null`: none"),

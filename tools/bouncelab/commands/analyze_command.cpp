@@ -42,13 +42,14 @@ void write_json(const Run& run, const fs::path& path, const Value& value, int in
 /// @param inputs  that could be read
 void write_files(const loop::Analysis& found, const report::FitInWords& words, const std::vector<fs::path>& inputs,
                  const fs::path& folder, const Run& run) {
-  write_table(run, folder / "onsets.csv", to_table(found.onsets), inputs);
-  write_table(run, folder / "samples.csv", to_table(found.restitution.samples), {folder / "onsets.csv"});
+  // the report shows what lies in the folder: what an earlier run knew of other times and sound must not stay in it
+  for (const char* old : {"onsets.csv", "wave.json", "diagnostics.json"})
+    for (const char* meta : {"", ".meta.json"}) fs::remove(folder / (std::string(old) + meta));
+  if (!found.onsets.empty()) write_table(run, folder / "onsets.csv", to_table(found.onsets), inputs);
+  write_table(run, folder / "samples.csv", to_table(found.restitution.samples),
+              found.onsets.empty() ? inputs : std::vector{folder / "onsets.csv"});
   write_json(run, folder / "fit.json", report::object_of(found.fit, words), 1, {folder / "samples.csv"});
   write_table(run, folder / "histograms.csv", fit::histogram_table(found.fit.histograms), {folder / "samples.csv"});
-  // the report shows what lies in the folder: what an earlier run knew of its sound must not stay in it
-  for (const char* old : {"wave.json", "wave.json.meta.json", "diagnostics.json", "diagnostics.json.meta.json"})
-    fs::remove(folder / old);
   if (found.wave)
     write_json(run, folder / "wave.json", value_of(*found.wave), -1, {first_found(found.recordings)->recording});
   if (found.details.empty()) return;
@@ -163,6 +164,21 @@ Outcome analyze_times(const std::vector<fs::path>& files, const loop::AnalyzeCon
   return write_analysis(found, config, files, with_onsets_beside(files), read, folder, run);
 }
 
+/// Speeds that others measured, with coefficients of restitution or speeds after the bounces, and on.
+Outcome analyze_speeds(const std::vector<fs::path>& files, const AnalyzeOptions& options,
+                       const loop::AnalyzeConfig& config, std::vector<std::string> warnings, const fs::path& folder,
+                       const Run& run) {
+  Outcome read;
+  std::vector<std::string> taken_for;
+  RestitutionSamples samples =
+      read_sample_files(files, run.common.n_threads, options.restitution.foreign.table.columns, taken_for, warnings);
+  name_ball(samples, config.restitution.ball, config.restitution.plate);
+  read.text = lines_of(taken_for);
+  read.warnings = std::move(warnings);
+  return write_analysis(loop::analyze_samples(std::move(samples), config, stage_progress(run)), config, files, files,
+                        read, folder, run);
+}
+
 /// The report of an earlier analysis of these recordings, which nobody has touched: it may be replaced unasked.
 bool is_own_report(const std::vector<fs::path>& outputs, const std::vector<fs::path>& recordings) {
   return fs::exists(outputs.front()) &&
@@ -194,7 +210,11 @@ Outcome run_analyze(const AnalyzeOptions& options, const Run& asked) {
   if (n_times < std::ssize(files))
     throw InvalidArgument(std::find_if(files.begin(), files.end(), is_times)->string() +
                           ": holds times, other files hold sound; analyze one kind at a time");
-  return analyze_times(files, config, options.restitution.foreign, std::move(warnings), folder, run);
+  const ForeignFileOptions& foreign = options.restitution.foreign;
+  const auto n_speeds = std::count_if(files.begin(), files.end(),
+                                      [&](const fs::path& file) { return holds_speeds(file, foreign.table); });
+  if (n_speeds == std::ssize(files)) return analyze_speeds(files, options, config, std::move(warnings), folder, run);
+  return analyze_times(files, config, foreign, std::move(warnings), folder, run);
 }
 
 }  // namespace bouncelab::cli

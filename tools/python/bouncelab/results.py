@@ -95,12 +95,13 @@ class Table(Mapping[str, Any]):
         ----------
         path : str or path
             The file.
-        taken_as : {"auto", "times", "intervals"}
+        taken_as : {"auto", "times", "intervals", "heights"}
             What the numbers of a table from elsewhere are.
-        unit : {"auto", "s", "ms", "us"}
+        unit : {"auto", "s", "ms", "us", "m", "cm", "mm", "in", "ft"}
             Their unit.
         columns : str
-            Which of its columns are what, by title or number from 1: "t=COLUMN", or "v=COLUMN,eps=COLUMN".
+            Which of its columns are what, by title or number from 1: "t=COLUMN", "h=COLUMN" or "h0=COLUMN,h=COLUMN" of
+            heights; as `Samples` "v=COLUMN,eps=COLUMN" or "v_in=COLUMN,v_out=COLUMN".
         tier : str
             Tier of a TextGrid, layer of an .svl, by name or number.
         """

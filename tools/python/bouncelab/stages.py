@@ -100,8 +100,16 @@ def detect(recording: Any, rate: Any, name: str, keywords: Dict[str, Any], progr
     return Onsets(found["columns"], summary=json.loads(found["summary"]), source=source)
 
 
-def restitution(onsets: Any, keywords: Dict[str, Any]) -> Samples:
-    onsets = Onsets.of(onsets)
+def _onsets_of_heights(heights: Any, unit: str) -> Onsets:
+    drops = heights if len(heights) > 0 and hasattr(heights[0], "__len__") else [heights]
+    # as they are printed: .81 has an error of its two digits
+    return Onsets(_core.onsets_of_heights([[str(height) for height in drop] for drop in drops], unit))
+
+
+def restitution(onsets: Any, heights: Any, unit: str, keywords: Dict[str, Any]) -> Samples:
+    if (onsets is None) == (heights is None):
+        raise ValueError("give onsets or heights")
+    onsets = Onsets.of(onsets) if heights is None else _onsets_of_heights(heights, unit)
     found = _core.restitution(onsets.to_dict(), _arguments(keywords))
     return Samples(found["columns"], summary=json.loads(found["summary"]), onsets=onsets)
 

@@ -46,6 +46,7 @@ PYBIND11_MODULE(_core, m) {
   m.def("detect_files", &detect_files);
   m.def("detect_samples", &detect_samples);
   m.def("restitution", &restitution);
+  m.def("onsets_of_heights", &onsets_of_heights);
   m.def("wave_of_file", &wave_of_file);
   m.def("wave_of_samples", &wave_of_samples);
   m.def("write_sound", &write_sound);

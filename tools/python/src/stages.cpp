@@ -226,6 +226,18 @@ py::dict restitution(const py::dict& columns, const Arguments& arguments) {
   return result;
 }
 
+py::dict onsets_of_heights(const std::vector<std::vector<std::string>>& drops, const std::string& unit) {
+  std::string text = "drop,h\n";
+  for (std::size_t drop = 0; drop < drops.size(); ++drop)
+    for (const std::string& height : drops[drop]) text += std::to_string(drop) + "," + height + "\n";
+  const std::string name = "heights";
+  return read_in_memory([&] {
+    const ForeignOptions options{"heights", unit, "h=h"};
+    const TakenTable taken = onsets_from_foreign(read_foreign_table(text, name, options), name, options);
+    return columns_of(to_table(onsets_from_table(taken.table, name)));
+  });
+}
+
 std::string wave_of_file(const std::string& recording, int channel, const py::dict& onsets, double rate_hz, int track) {
   return json_text(value_of(detection::wave_preview(fs::path(recording), channel, onsets_of(onsets),
                                                     rate_hz > 0.0 ? std::optional(rate_hz) : std::nullopt, track)));

@@ -33,6 +33,8 @@ py::dict detect_samples(const py::array& samples, double rate_hz, const std::str
                         const Arguments& arguments, const py::object& progress);
 /// @return {columns, summary}
 py::dict restitution(const py::dict& onsets, const Arguments& arguments);
+/// The onsets of heights in this unit, a list for each drop. @param drops  as people write them: their digits count
+py::dict onsets_of_heights(const std::vector<std::vector<std::string>>& drops, const std::string& unit);
 /// wave.json of a recording.
 std::string wave_of_file(const std::string& recording, int channel, const py::dict& onsets, double rate_hz, int track);
 std::string wave_of_samples(const py::array& samples, double rate_hz, const std::string& recording, int channel,

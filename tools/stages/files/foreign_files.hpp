@@ -47,6 +47,11 @@ Onsets read_onsets(const std::filesystem::path& path, const ForeignFileOptions& 
 std::unique_ptr<TableReader> open_samples(const std::filesystem::path& path, const ForeignOptions& options,
                                           std::vector<std::string>& taken_for);
 
+/// Does a table hold speeds, with coefficients of restitution or with the speeds after the bounces, rather than times?
+/// By
+/// --columns, our own titles, or units of speed and none of time or length.
+bool holds_speeds(const std::filesystem::path& path, const ForeignOptions& options);
+
 /// Does the file hold times or marks, rather than sound? As audio::holds_times() says, if no rate of samples is given.
 bool holds_times(const std::filesystem::path& path, bool has_rate);
 

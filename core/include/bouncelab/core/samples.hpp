@@ -26,6 +26,9 @@ struct SampleConditions {
   bool of_heights = false;               ///< v and eps are roots of heights, not of intervals
   bool sigma_is_least = false;           ///< standard errors are of the digits alone
 
+  /// By times or heights; else speeds and coefficients were measured as they are.
+  bool of_flights() const { return gravity_mps2.has_value(); }
+
   friend bool operator==(const SampleConditions&, const SampleConditions&) = default;
 };
 

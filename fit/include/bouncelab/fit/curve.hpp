@@ -67,6 +67,9 @@ struct Curve {
   /// absent of one drop.
   double scatter = 0.0;
   std::optional<double> scatter_of_drops;
+  /// Standard errors of times, heights or speeds over those of their digits, root mean square; absent where they are
+  /// stated.
+  std::optional<double> errors_over_digits;
   std::size_t n_drops = 0;              ///< 1: the curve is that of this drop
   std::optional<Estimate> kappa_per_m;  ///< drag over speed squared at 1 m/s; absent: none
   std::optional<Estimate> contact_s;    ///< contact time at 1 m/s; absent: none

@@ -70,6 +70,8 @@ Analysis analyze(const std::vector<std::filesystem::path>& recordings, const Ana
 
 /// What follows detection: of impact times alone, from another program for instance.
 Analysis analyze_times(Onsets onsets, const AnalyzeConfig& config, const StageProgress& progress = {});
+/// Of coefficients of restitution that others measured.
+Analysis analyze_samples(RestitutionSamples samples, const AnalyzeConfig& config, const StageProgress& progress = {});
 /// What follows detection: of recordings whose impacts are known, by hand for instance.
 Analysis analyze_found(std::vector<detection::RecordingDetection> recordings, const AnalyzeConfig& config,
                        const StageProgress& progress = {});
