@@ -111,7 +111,7 @@ CellFormat format_below(std::string_view titles, std::span<const Line> rows) {
 }
 
 CellFormat format_without_titles(std::span<const Line> rows, const std::string& name, const ForeignOptions& options) {
-  std::vector<CellFormat> formats;
+  std::vector<std::pair<std::size_t, CellFormat>> formats;  // with the number of cells
   for (const char separator : {kOneCell, '\t', ';', ',', ' '}) {
     if (separator == ' ' && rows.front().text.find('\t') != std::string_view::npos) continue;
     const char decimal = decimal_of(rows, separator);
@@ -122,17 +122,17 @@ CellFormat format_without_titles(std::span<const Line> rows, const std::string& 
                return cell.empty() || number_of(cell, decimal);
              });
     });
-    if (holds && (n_cells > 1 || separator == kOneCell)) formats.push_back({separator, decimal});
+    if (holds && (n_cells > 1 || separator == kOneCell)) formats.push_back({n_cells, {separator, decimal}});
   }
   if (formats.empty())
     refuse_cells(rows, name,
                  "not every line has the same number of cells, all of them numbers; write a line of titles above, such "
                  "as Time (s)");
-  // of two, commas separate in one: "0,5", and ",5", a tab, ",41"
-  for (const CellFormat& format : formats)
-    if (formats.size() == 1 || (format.separator == ',' ? !options.columns.empty()
-                                                        : options.as != "auto" && options.columns.empty()))
-      return format;
+  const bool is_indented = formats.front().second.separator == kOneCell && formats.front().second.decimal == '.';
+  if (formats.size() == 1 || is_indented) return formats.front().second;
+  const auto by_cells = [](const auto& a, const auto& b) { return a.first < b.first; };
+  if (!options.columns.empty()) return std::max_element(formats.begin(), formats.end(), by_cells)->second;
+  if (options.as != "auto") return std::min_element(formats.begin(), formats.end(), by_cells)->second;
   ForeignOptions times = options, intervals = options, several = options;
   times.as = "times", intervals.as = "intervals", several.columns = "t=1";
   throw AmbiguousTable(name,
