@@ -108,6 +108,7 @@ TakenTable heights_of(const ForeignTable& table, const ForeignOptions& options, 
   double unit_m = unit_in(options);
   if (unit_m == 0.0 && sequence.unit && sequence.unit->dimension == Dimension::length) unit_m = sequence.unit->si;
   const auto& values = sequence.values;
+  if (values.empty()) throw FileError(name, "holds no heights");
   if (unit_m == 0.0) {
     std::vector<Reading> readings;
     for (const char* unit : {"m", "cm", "mm"})
