@@ -99,7 +99,7 @@ TEST(ForeignHeights, ThatTheirTableDoesNotProveAreAsked) {
             {"--columns 'h=h (m),drop=trial'", "--columns 'h=h (m)'"}},
            {"1, .81, .66\n", kHeights, "in which unit", {"--as heights --unit m"}},
            {"100\n81\n", kHeights, "in which unit", {"--as heights --unit cm", "--as heights --unit mm"}},
-           {"a;b\n1;.8\n", {"auto", "auto", "h0=a,h=b"}, "in which unit", {}},
+           {"a;b\n1;.8\n", {"auto", "auto", "h0=a,h=b"}, "in which unit", {"--as heights --unit m --columns h0=a,h=b"}},
            {"a;b\n1;.8\n.9;.7\n",
             kHeights,
             "which column holds heights?",

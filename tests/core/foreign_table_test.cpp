@@ -140,7 +140,7 @@ constexpr const char* kRead = R"x(
 1: lines above | Anna, trial A\n\nball;steel\n\nTime (s);x\n0.4;\n1;\n1.51;\n1.9435;;;\n |  | 0.4 1 1.51 1.9435 | times in s
 1: comments | # 3 mm\n#4;5\nTime (s)\n0.4\n1\n1.51\n1.9435\n |  | 0.4 1 1.51 1.9435 | times in s
 1: CR | Time (ms)\r400\r1000\r1510\r1943.5\r |  | 0.4 1 1.51 1.9435 | times in ms
-1: short rows | Time (s),note\n0.4\n1,b\n1.51\n1.9435\n |  | 0.4 1 1.51 1.9435 | times in s
+1: short rows | Time (s),x\n0.4,7\n1,9\n1.51,8\n1.9435\n |  | 0.4 1 1.51 1.9435 | times in s
 2: exponents | Time (s)\n4.0E-1\n1.000000000E0\n+1.51\n194.35e-2\n |  | 0.4 1 1.51 1.9435 | times in s
 2: M:S | Start\n0:00.4\n0:01\n00:01.51\n0:01.9435\n |  | 0.4 1 1.51 1.9435 | times as clock times
 2: H:M:S | Start;x\n1:00:00,4;\n1:00:01,0;\n1:00:01,51;\n01:00:01,9435;\n |  | 3600.4 3601 3601.51 3601.9435 | as clock times
@@ -207,8 +207,8 @@ constexpr const char* kAsked = R"x(
 1: with a unit | 400,5\n1000,5\n1510,5\n | --unit ms | one number | --as times --unit ms | .4005 1.0005 1.5105 | --as intervals --unit ms | - | --unit ms --columns t=1 | .4 1 1.51
 1: a clock time | 0:00,4\n0:01,0\n0:01,51\n |  | one number | --as times | 0.4 1 1.51 | --as intervals | - | --columns t=1 | -
 1: commas and blanks | 400, 1000, 1510\n |  | in which unit | --unit ms | 0.4 1 1.51
-3: two columns | A (s),B (s)\n.4,.1\n1,.6\n1.51,1\n |  | 2 columns are of a time | --columns t=A (s) | .4 1 1.51 | --columns t=B (s) | .1 .6 1
-3: of one name | t_s,t_s\n.4,.1\n1,.6\n1.51,1\n |  | 2 columns | --columns t=1 | .4 1 1.51 | --columns t=2 | .1 .6 1
+3: two columns | A (s),B (s)\n.4,.1\n1,.6\n1.51,1\n |  | 2 columns are of a time | --columns t=A (s) | .4 1 1.51 | --columns t=B (s) | .1 .6 1 | --as times --columns t=A (s),t=B (s) | .4 1 1.51, .1 .6 1
+3: of one name | t_s,t_s\n.4,.1\n1,.6\n1.51,1\n |  | 2 columns | --columns t=1 | .4 1 1.51 | --columns t=2 | .1 .6 1 | --as times --columns t=1,t=2 | .4 1 1.51, .1 .6 1
 3: drops told | A (s),B (s),n\n.4,.1,1\n1,.6,1\n1.51,1,2\n | --columns drop=n | 2 columns | --columns t=A (s),drop=n | .4 1, 1.51 | --columns t=B (s),drop=n | .1 .6, 1
 3: time and height | Time (s);y (m)\n0.4;1\n1;1\n1.51;1\n |  | another measured quantity | --columns t=Time (s) | 0.4 1 1.51 | --as heights --columns h=y (m) | -
 3: no unit | Time\n0.40\n1.00\n1.51\n |  | no title has a unit | --as times --unit s --columns t=Time | 0.4 1 1.51
@@ -236,7 +236,7 @@ constexpr const char* kAsked = R"x(
 7: frames alone | t_s\n0\n0.033\n0.067\n0.1\n0.133\n0.167\n0.2\n0.233\n |  | frames of a video | --as times | 0 .033 .067 .1 .133 .167 .2 .233
 Audition | Name\tStart\tDuration\nMarker 1\t0:00.400\t0:00.000\nMarker 2\t0:01.000\t0:00.000\n |  | 2 columns | --columns t=Start | 0.4 1 | --columns t=Duration | -
 Tracker | #multi:\nmass_A\nt\tx\ty\n0.400\t0.1\t0.0\n1.000\t0.1\t0.0\n1.510\t0.1\t0.0\n |  | no title has a unit | --as times --unit s --columns t=t | 0.4 1 1.51
-Raven | Selection\tBegin Time (s)\tEnd Time (s)\n1\t0.4\t0.5\n2\t1\t1.1\n3\t1.51\t1.6\n |  | 2 columns | --columns t=Begin Time (s) | .4 1 1.51 | --columns t=End Time (s) | .5 1.1 1.6
+Raven | Selection\tBegin Time (s)\tEnd Time (s)\n1\t0.4\t0.5\n2\t1\t1.1\n3\t1.51\t1.6\n |  | 2 columns | --columns t=Begin Time (s) | .4 1 1.51 | --columns t=End Time (s) | .5 1.1 1.6 | --as times --columns t=Begin Time (s),t=End Time (s) | .4 1 1.51, .5 1.1 1.6
 phyphox stopwatch | "Start (s)","Stop 1 (s)","Stop 2 (s)"\n4.0E-1,1.0E0,1.51E0\n |  | 3 columns | --as times | 0.4 1 1.51
 phyphox collision | "Bounce 0 (s)"\t"Height 0 (m)"\t"Bounce 1 (s)"\n4,0E-1\t4,4E-1\t1,0E0\n |  | 2 columns | --columns t=Bounce 0 (s) | 0.4 | --columns t=Bounce 1 (s) | 1
 )x";

@@ -2,6 +2,7 @@
 #include "tables/foreign_columns.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -65,24 +66,67 @@ std::optional<std::size_t> own_column(const ForeignTable& table, std::string_vie
   return static_cast<std::size_t>(found - table.titles.begin());
 }
 
-std::optional<std::size_t> told_column(const ForeignTable& table, const ForeignOptions& options, std::string_view key,
-                                       const std::string& name) {
+std::vector<std::size_t> told_columns(const ForeignTable& table, const ForeignOptions& options, std::string_view key,
+                                      const std::string& name) {
+  std::vector<std::size_t> columns;
   for (const std::string_view part : cells_of(options.columns, ',')) {
     const std::size_t equals = part.find('=');
     if (equals == std::string_view::npos && !part.empty())
       throw InvalidArgument("--columns: '" + printable(part) + "' is no KEY=COLUMN, such as v=speed,eps=e");
     if (part.substr(0, equals) != key) continue;
     const std::string_view wanted = part.substr(equals + 1);
-    if (const auto titled = own_column(table, wanted)) return titled;
+    auto column = own_column(table, wanted);
     const auto number = number_of(wanted, '.');
-    if (number && number->value >= 1.0 && number->value <= static_cast<double>(table.n_columns()) &&
-        number->value == std::floor(number->value))
-      return static_cast<std::size_t>(number->value) - 1;
+    for (std::size_t k = 0; k < table.n_columns() && !column && number; ++k)
+      if (number->value == static_cast<double>(k + 1)) column = k;
     std::string found;
     for (std::size_t k = 0; k < table.n_columns(); ++k) found += (k == 0 ? "" : ", ") + column_name(table, k);
-    throw FileError(name, "has no column '" + printable(wanted) + "' (found: " + printable(found, 400) + ")");
+    if (!column)
+      throw FileError(name, "has no column '" + printable(wanted) + "' (found: " + printable(found, 400) + ")");
+    columns.push_back(*column);
   }
+  return columns;
+}
+
+std::optional<std::size_t> told_column(const ForeignTable& table, const ForeignOptions& options, std::string_view key,
+                                       const std::string& name) {
+  const std::vector<std::size_t> columns = told_columns(table, options, key, name);
+  if (columns.size() > 1) throw InvalidArgument("--columns: " + std::string(key) + "= stands twice; name one column");
+  return columns.empty() ? std::nullopt : std::optional(columns.front());
+}
+
+std::optional<TitleUnit> unit_of(const ForeignTable& table, std::size_t column) {
+  constexpr double kFrom_s = 978307200.0, kTo_s = 4102444800.0;  // the years 2001 to 2099, since 1970
+  constexpr std::array<std::pair<double, const char*>, 4> kSince1970{
+      {{1.0, "s since 1970"}, {1e-3, "ms since 1970"}, {1e-6, "us since 1970"}, {1e-9, "ns since 1970"}}};
+  std::size_t n = 0, n_clocks = 0;
+  double least = HUGE_VAL, most = 0.0;
+  for (const ForeignTable::Row& row : table.rows)
+    if (const auto number = table.number(row, column)) {
+      ++n, n_clocks += number->is_clock ? 1 : 0;
+      least = std::min(least, number->value), most = std::max(most, number->value);
+    }
+  if (n > 0 && n_clocks == n) return TitleUnit{Dimension::time, 1.0, kClock, {}};
+  if (auto titled = unit_of_title(title_of(table, column))) return titled;
+  for (const auto& [unit_s, words] : kSince1970)
+    if (n > 0 && unit_s * least > kFrom_s && unit_s * most < kTo_s)
+      return TitleUnit{Dimension::time, unit_s, words, {}};
   return std::nullopt;
+}
+
+std::optional<TitleUnit> unit_of(const ForeignTable& table, const std::vector<std::size_t>& columns,
+                                 Dimension dimension, const std::string& name) {
+  std::optional<TitleUnit> common;
+  for (const std::size_t column : columns) {
+    const auto unit = unit_of(table, column);
+    if (unit && unit->dimension != dimension)
+      throw FileError(name, column_name(table, column) + " is another quantity: its unit is " + unit->name);
+    if (unit && common && unit->si != common->si)
+      throw FileError(name, column_name(table, columns.front()) + " and " + column_name(table, column) +
+                                " have two units; write one");
+    if (unit) common = unit;
+  }
+  return common;
 }
 
 std::optional<NumberCell> number_in(const ForeignTable& table, const ForeignTable::Row& row, std::size_t column,
@@ -97,6 +141,12 @@ std::string column_option(const ForeignTable& table, std::string_view key, std::
   const std::string title = title_of(table, column);
   const bool by_title = is_alone(table, title) && title.find_first_of(",=") == std::string::npos;
   return std::string(key) + "=" + (by_title ? title : std::to_string(column + 1));
+}
+
+std::string columns_option(const ForeignTable& table, std::string_view key, const std::vector<std::size_t>& columns) {
+  std::string text;
+  for (const std::size_t column : columns) text += (text.empty() ? "" : ",") + column_option(table, key, column);
+  return text;
 }
 
 void ask(const ForeignTable& table, const std::string& name, const std::string& question,
@@ -128,42 +178,46 @@ void check_first_cells(const ForeignTable& table, const std::string& name) {
         {});
 }
 
-int decimals_of(const std::vector<double>& roundings, double unit) {
-  double rounding = 0.0;
-  for (const double one : roundings) rounding = rounding == 0.0 ? one : std::min(rounding, one);
-  return rounding > 0.0 ? static_cast<int>(std::clamp(std::round(-std::log10(2.0 * rounding * unit)), 0.0, 100.0)) : -1;
+std::vector<PairOfCells> pairs_in(const ForeignTable& table, std::size_t first, std::size_t second,
+                                  const std::string& name) {
+  check_first_cells(table, name);
+  std::vector<PairOfCells> pairs;
+  for (const ForeignTable::Row& row : table.rows) {
+    const auto a = number_in(table, row, first, name), b = number_in(table, row, second, name);
+    if (a && b) pairs.push_back({&row, *a, *b});
+  }
+  if (pairs.empty()) throw FileError(name, "has no row with both numbers");
+  return pairs;
+}
+
+int decimals_of(double rounding) {
+  return rounding > 0.0 && std::isfinite(rounding)
+             ? static_cast<int>(std::clamp(std::round(-std::log10(2.0 * rounding)), 0.0, 100.0))
+             : -1;
 }
 
 void add_own_columns(const ForeignTable& foreign, const std::vector<ColumnSpec>& own, const std::string& name,
                      Table& table) {
   for (const ColumnSpec& spec : own) {
     const auto column = own_column(foreign, spec.name);
-    const bool is_there =
-        std::any_of(table.columns.begin(), table.columns.end(), [&](const Column& c) { return c.name == spec.name; });
-    if (!column || is_there) continue;
+    if (!column || std::any_of(table.columns.begin(), table.columns.end(),
+                               [&](const Column& c) { return c.name == spec.name; }))
+      continue;
     Column values = empty_column(spec);
+    auto* const wholes = std::get_if<std::vector<std::int64_t>>(&values.values);
     for (const ForeignTable::Row& row : foreign.rows) {
-      if (auto* texts = std::get_if<std::vector<std::string>>(&values.values)) {
-        texts->push_back(row.cells[*column]);
-        continue;
-      }
       const auto number = foreign.number(row, *column);
-      if (auto* wholes = std::get_if<std::vector<std::int64_t>>(&values.values)) {
-        const bool is_whole = number && std::floor(number->value) == number->value && spec.range.holds(number->value);
-        if (is_whole) wholes->push_back(static_cast<std::int64_t>(number->value));
-        continue;
-      }
-      if (!row.cells[*column].empty() && !number)
-        throw FileError(name, "line " + std::to_string(row.line) + ", column " + spec.name + ": '" +
-                                  printable(row.cells[*column]) + "' is not a number");
-      std::get<std::vector<double>>(values.values)
-          .push_back(number ? number->value : std::numeric_limits<double>::quiet_NaN());
+      if (auto* texts = std::get_if<std::vector<std::string>>(&values.values))
+        texts->push_back(row.cells[*column]);
+      else if (!wholes)
+        std::get<std::vector<double>>(values.values)
+            .push_back(number_in(foreign, row, *column, name) ? number->value
+                                                              : std::numeric_limits<double>::quiet_NaN());
+      else if (number && std::floor(number->value) == number->value && spec.range.holds(number->value))
+        wholes->push_back(static_cast<std::int64_t>(number->value));
     }
     // drops may have names instead of numbers
-    if (const auto* wholes = std::get_if<std::vector<std::int64_t>>(&values.values);
-        wholes && wholes->size() < foreign.rows.size())
-      continue;
-    table.columns.push_back(std::move(values));
+    if (!wholes || wholes->size() == foreign.rows.size()) table.columns.push_back(std::move(values));
   }
 }
 

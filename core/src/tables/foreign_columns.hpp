@@ -19,7 +19,10 @@ std::string title_of(const ForeignTable& table, std::size_t column);
 std::string column_name(const ForeignTable& table, std::size_t column);
 std::string format_in_words(const ForeignTable& table);
 
-/// The column that --columns names for a key: "t=Time (s),drop=2". @throws InvalidArgument, FileError
+/// The columns that --columns names for a key: "t=Time (s),drop=2". @throws InvalidArgument, FileError
+std::vector<std::size_t> told_columns(const ForeignTable& table, const ForeignOptions& options, std::string_view key,
+                                      const std::string& name);
+/// The only one. @throws InvalidArgument of several
 std::optional<std::size_t> told_column(const ForeignTable& table, const ForeignOptions& options, std::string_view key,
                                        const std::string& name);
 /// The column of an exact title; of two such neither is told.
@@ -32,11 +35,27 @@ void add_own_columns(const ForeignTable& foreign, const std::vector<ColumnSpec>&
 std::optional<NumberCell> number_in(const ForeignTable& table, const ForeignTable::Row& row, std::size_t column,
                                     const std::string& name);
 
-/// Digits behind the point of numbers in another unit, by their roundings: half of 10^-decimals each.
-int decimals_of(const std::vector<double>& roundings, double unit);
+inline constexpr const char* kClock = "clock times";
+/// The unit of a column by its cells, else by its title.
+std::optional<TitleUnit> unit_of(const ForeignTable& table, std::size_t column);
+/// The unit of columns that are read together. @throws FileError: of another dimension, or two units
+std::optional<TitleUnit> unit_of(const ForeignTable& table, const std::vector<std::size_t>& columns,
+                                 Dimension dimension, const std::string& name);
+
+/// The rows in which two columns have numbers, by which a bounce is told: lines, and the two. @throws FileError
+struct PairOfCells {
+  const ForeignTable::Row* row = nullptr;
+  NumberCell first, second;
+};
+std::vector<PairOfCells> pairs_in(const ForeignTable& table, std::size_t first, std::size_t second,
+                                  const std::string& name);
+
+/// Digits behind the point of numbers in another unit, whose finest is rounded so.
+int decimals_of(double rounding);
 
 /// "t=Time (s)"; by number where the title stands twice or holds a sign of the option's own.
 std::string column_option(const ForeignTable& table, std::string_view key, std::size_t column);
+std::string columns_option(const ForeignTable& table, std::string_view key, const std::vector<std::size_t>& columns);
 [[noreturn]] void ask(const ForeignTable& table, const std::string& name, const std::string& question,
                       std::vector<AmbiguousTable::Reading> readings);
 /// Asks about a row that begins with a word where most begin with a number: a mean, a remark.

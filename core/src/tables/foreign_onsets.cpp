@@ -1,21 +1,23 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Times and intervals of other people's tables. The rule, whole (docs/formats.md, "Files of other programs"):
+// Times, intervals and heights of other people's tables. The rule, whole (docs/formats.md, "Files of other programs"):
 //
-//   the column: --columns t=...; else our t_s; else the one whose title has a unit of time, or whose cells are clock
-//               times, dates with times, or seconds (ms, us, ns) since 1970; else, untitled, the only column or row
+//   the column: --columns t=... or h=...; else our t_s; else the one whose title has a unit of time (of length), or whose
+//               cells are clock times, dates with times, or seconds (ms, us, ns) since 1970; else, untitled, the only
+//               column or row
+//   what it is: --as; else heights, if its unit is of length; else intervals, if its title is dt, Delta t or interval;
+//               else times, if they rise, or rise again in each drop for three impacts or more
 //   its unit:   the cells', --unit, the title's; else seconds, if the speeds that follow are those of balls
-//   what it is: --as; else intervals, if its title is dt, Delta t or interval; else times, if they rise, or rise again
-//               in each drop for three impacts or more
 //   its drops:  --columns drop=... or a column called drop; else a new one begins behind a blank line, where times go
 //               back or pause (drops_of), where an interval is half as long again as the one before
 //
 // Everything else is asked: two columns of one dimension, a column beside them that may tell other drops, numbers that
-// fall, equal steps, speeds of no ball.
+// fall, equal steps, speeds of no ball. A question lists the readings that are consistent with all this.
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <span>
 
+#include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/numerics.hpp"
 #include "bouncelab/core/onsets.hpp"
@@ -25,212 +27,273 @@
 namespace bouncelab {
 namespace {
 
-/// --columns with this column of times, and what was told of drops.
-std::string with_times(const ForeignTable& table, const ForeignOptions& options, std::size_t column) {
-  std::string text = column_option(table, "t", column);
-  for (const std::string_view part : cells_of(options.columns, ','))
-    if (part.starts_with("drop=")) text += "," + std::string(part);
-  return text;
-}
+using Reading = AmbiguousTable::Reading;
 
-constexpr std::array<std::pair<const char*, double>, 3> kTimeUnits{{{"s", 1.0}, {"ms", 1e-3}, {"us", 1e-6}}};
-
-bool are_of_a_ball(double interval_s) {
-  constexpr double kSlowest_mps = 0.02, kFastest_mps = 30.0, kGravity_mps2 = 9.81;
-  const double v_mps = 0.5 * kGravity_mps2 * interval_s;
-  return v_mps >= kSlowest_mps && v_mps <= kFastest_mps;
-}
-
-/// Do the numbers rise from row to row, or in each drop again, for three impacts or more?
-bool rise(const Sequence& sequence) {
-  if (sequence.values.empty()) return false;
-  constexpr std::size_t kLeast = 3;
-  std::size_t n = 1;
-  for (std::size_t k = 1; k < sequence.values.size(); ++k) {
-    const auto &before = sequence.values[k - 1], &here = sequence.values[k];
-    const bool begins = here.part != before.part;
-    if (!begins && here.number.value >= before.number.value) {
-      ++n;
-      continue;
-    }
-    if (!begins && (n < kLeast || sequence.has_drops)) return false;
-    n = 1;
-  }
-  return sequence.has_drops || sequence.values.back().part > 0 || n >= kLeast || n == sequence.values.size();
+TitleUnit unit_called(const std::string& name) {
+  return unit_of_title("x (" + name + ")").value_or(TitleUnit{Dimension::speed, 0.0, name, {}});
 }
 
 /// In the median, in the unit of the numbers; 0 of a single time.
 double typical_interval(const Sequence& sequence, bool intervals) {
   std::vector<double> lengths;
   for (std::size_t k = 0; k < sequence.values.size(); ++k) {
-    const double before = k == 0 || intervals ? 0.0 : sequence.values[k - 1].number.value;
-    if (const double length = sequence.values[k].number.value - before; length > 0.0 && (intervals || k > 0))
-      lengths.push_back(length);
+    const NumberCell* before = sequence.before(k);
+    const double length = sequence.values[k].number.value - (before && !intervals ? before->value : 0.0);
+    if (length > 0.0 && (intervals || before)) lengths.push_back(length);
   }
   return lengths.empty() ? 0.0 : median(std::move(lengths));
 }
 
-bool are_equal_steps(const Sequence& sequence, std::size_t least) {
-  const auto& values = sequence.values;
-  if (values.size() < least) return false;
-  const double step = values[1].number.value - values[0].number.value;
-  for (std::size_t k = 1; k < values.size(); ++k)
-    if (std::abs(values[k].number.value - values[k - 1].number.value - step) >
-        0.1 * step + 2.0 * (values[k - 1].number.rounding + values[k].number.rounding))
-      return false;
-  return step > 0.0;
+/// Are numbers in this unit those of a ball that is dropped in a room?
+bool are_of_a_ball(const Sequence& sequence, const std::string& as, double si) {
+  if (as == "heights") {
+    constexpr double kLeast_m = 0.05, kMost_m = 4.0;
+    const double height_m = si * sequence.values.front().number.value;
+    return height_m > kLeast_m && height_m < kMost_m;
+  }
+  constexpr double kSlowest_mps = 0.02, kFastest_mps = 30.0, kGravity_mps2 = 9.81;
+  const double v_mps = 0.5 * kGravity_mps2 * si * typical_interval(sequence, as == "intervals");
+  return v_mps >= kSlowest_mps && v_mps <= kFastest_mps;
+}
+
+/// What numbers without a unit, or of a unit that is known, may be.
+/// @param as  the meanings, in the order in which they are offered
+std::vector<Reading> readings_of(const Sequence& sequence, const std::vector<const char*>& as, bool has_unit,
+                                 const ForeignOptions& options, const std::string& key_columns) {
+  std::vector<Reading> readings;
+  const bool are_positive = std::all_of(sequence.values.begin(), sequence.values.end(),
+                                        [](const Sequence::Value& value) { return value.number.value > 0.0; });
+  for (const char* unit : {"s", "ms", "us", "m", "cm", "mm"})
+    for (const char* one : as) {
+      const TitleUnit known = unit_called(unit);
+      if ((known.dimension == Dimension::length) != (std::string(one) == "heights")) continue;
+      if (has_unit ? known.si == 1.0
+                   : (are_positive || *one == 't') && are_of_a_ball(sequence, one, known.si))
+        readings.push_back({std::string(one) + " in " + (has_unit ? sequence.unit->name : unit),
+                            {one, has_unit ? options.unit : unit, key_columns}});
+    }
+  return readings;
+}
+
+/// --columns with these columns, and what was told of drops.
+std::string with_drops(const ForeignTable& table, const ForeignOptions& options, const Selection& selection) {
+  std::string text = columns_option(table, selection.key(), selection.columns);
+  for (const std::string_view part : cells_of(options.columns, ','))
+    if (part.starts_with("drop=")) text += "," + std::string(part);
+  return text;
+}
+
+/// A column's numbers as far as they are numbers.
+Sequence glance_at(const ForeignTable& table, const Selection& selection) {
+  Sequence sequence;
+  const std::size_t n = selection.columns.size();
+  for (std::size_t k = 0; k < n * table.rows.size(); ++k) {
+    const std::size_t row = selection.by_rows ? k / n : k % table.rows.size(),
+                      column = selection.by_rows ? k % n : k / table.rows.size();
+    if (const auto number = table.number(table.rows[row], selection.columns[column]))
+      sequence.values.push_back({*number, row, static_cast<std::int64_t>(selection.by_rows ? row : column)});
+  }
+  sequence.has_drops = n > 1;
+  sequence.unit = unit_of(table, selection.columns[0]);
+  return sequence;
 }
 
 /// What a column without a unit would be: times or intervals of a ball in s, ms or us.
-std::optional<Reading> likely_reading(const ForeignTable& table, const ForeignOptions& options, std::size_t column) {
-  Sequence sequence;
-  for (const ForeignTable::Row& row : table.rows)
-    if (const auto number = table.number(row, column)) sequence.values.push_back({*number, row.line, 0});
-  const bool are_whole = std::all_of(sequence.values.begin(), sequence.values.end(), [](const Sequence::Value& value) {
-    return value.number.value == std::floor(value.number.value);
-  });
-  if (unit_of(table, column) || sequence.values.size() < 3 || are_equal_steps(sequence, 3) ||
-      (are_whole && sequence.values.front().number.value <= 1.0))  // it numbers something
-    return std::nullopt;
-  const bool times = rise(sequence);
-  const auto stands_again = [](const Sequence::Value& a, const Sequence::Value& b) {
-    return a.number.value == b.number.value;
-  };
-  if (times &&
-      std::adjacent_find(sequence.values.begin(), sequence.values.end(), stands_again) != sequence.values.end())
-    return std::nullopt;
-  for (const auto& [unit, unit_s] : kTimeUnits)
-    if (are_of_a_ball(unit_s * typical_interval(sequence, !times)))
-      return Reading{(times ? "times in " : "intervals in ") + std::string(unit) + " by " + column_name(table, column),
-                     told(times ? "times" : "intervals", unit, with_times(table, options, column))};
-  return std::nullopt;
+std::vector<Reading> likely_readings(const ForeignTable& table, const ForeignOptions& options, std::size_t column) {
+  const Selection selection{{column}, Dimension::time, false};
+  const Sequence sequence = glance_at(table, selection);
+  if (unit_of(table, column) || sequence.values.size() < 3 || has_equal_steps(sequence) || numbers_rows(table, column))
+    return {};
+  const bool times = rises(sequence);
+  for (std::size_t k = 1; k < sequence.values.size(); ++k)
+    if (times && sequence.values[k].number.value == sequence.values[k - 1].number.value) return {};
+  std::vector<Reading> readings = readings_of(sequence, {times ? "times" : "intervals"}, false, options,
+                                              with_drops(table, options, selection));
+  readings.resize(std::min<std::size_t>(1, readings.size()));
+  for (Reading& reading : readings) reading.meaning += " by " + column_name(table, column);
+  return readings;
 }
 
-/// Have all columns the same unit, or none? A height among times of one row is no time.
-bool are_alike(const ForeignTable& table) {
-  const auto first = unit_of(table, 0);
-  for (std::size_t k = 1; k < table.n_columns(); ++k)
-    if (const auto unit = unit_of(table, k);
-        !table.rows.front().cells[k].empty() &&
-        (unit.has_value() != first.has_value() || (unit && unit->name != first->name)))
-      return false;
-  return true;
-}
-
-/// The column of times or intervals; absent: the only row is one.
-std::optional<std::size_t> column_of(const ForeignTable& table, const ForeignOptions& options,
-                                     const std::string& name) {
-  if (const auto column = told_column(table, options, "t", name)) return column;
-  std::vector<std::size_t> of_time, measured;
-  std::vector<Reading> readings;
+/// Which columns or rows are read.
+Selection selection_of(const ForeignTable& table, const ForeignOptions& options, const std::string& name) {
+  const auto said = [&](const char* as) { return options.as == as; };
+  for (const Dimension dimension : {Dimension::time, Dimension::length})
+    if (Selection told{told_columns(table, options, dimension == Dimension::time ? "t" : "h", name), dimension, false};
+        !told.columns.empty())
+      return told;
+  std::vector<std::size_t> all, measured, times, lengths;
   for (std::size_t k = 0; k < table.n_columns(); ++k) {
-    const bool is_own = title_of(table, k) == "t_s";
+    all.push_back(k);
     const auto unit = unit_of(table, k);
     if (!unit) continue;
     measured.push_back(k);
-    if (unit->dimension != Dimension::time) continue;
-    if (is_own && std::count(table.titles.begin(), table.titles.end(), "t_s") == 1) return k;
-    of_time.push_back(k);
-    readings.push_back({column_name(table, k), told(options.as, options.unit, with_times(table, options, k))});
+    if (unit->dimension == Dimension::time) times.push_back(k);
+    if (unit->dimension == Dimension::length) lengths.push_back(k);
   }
-  const bool is_row = table.rows.size() == 1 && table.n_columns() > 1 && are_alike(table);
-  if (measured.size() == 1 && of_time.size() == 1 && !is_row) {
-    // an error (s) or a clock beside times that no unit stands above
-    for (std::size_t k = 0; k < table.n_columns(); ++k)
-      if (const auto other = likely_reading(table, options, k); other && other->options.as == "times")
-        readings.push_back(*other);
-    if (readings.size() == 1) return of_time.front();
-    ask(table, name, "has a column with a unit of time, and another that rises as times do; which is read?",
+  const bool is_told = !said("auto"), are_heights =
+      said("heights") || (!is_told && unit_called(options.unit).dimension == Dimension::length) ||
+      (!is_told && times.empty() && !lengths.empty());
+  const std::vector<std::size_t>& wanted = are_heights ? lengths : times;
+  const Dimension dimension = are_heights ? Dimension::length : Dimension::time;
+  if (const auto own = own_column(table, "t_s"); own && !are_heights) return {{*own}, Dimension::time, false};
+
+  std::vector<Reading> readings, likely;
+  std::vector<std::size_t> likely_columns;
+  for (const std::size_t k : all)
+    for (Reading& reading : likely_readings(table, options, k)) {
+      if (reading.options.as == "times") likely_columns.push_back(k);
+      likely.push_back(std::move(reading));
+    }
+  // several drops side by side, or one in each row
+  const auto are_alike = [&](const std::vector<std::size_t>& columns) {
+    return columns.size() > 1 && std::all_of(columns.begin(), columns.end(), [&](std::size_t k) {
+             return measured.empty() || unit_of(table, k)->name == unit_of(table, columns[0])->name;
+           });
+  };
+  const Selection columns{measured.empty() ? likely_columns : wanted, dimension, false},
+      rows{measured.empty() ? all : wanted, dimension, true};
+  const bool is_row = table.rows.size() == 1 && are_alike(rows.columns) &&
+                      std::all_of(all.begin(), all.end(), [&](std::size_t k) {
+                        return table.rows[0].cells[k].empty() || measured.empty() ||
+                               std::find(wanted.begin(), wanted.end(), k) != wanted.end();
+                      });
+  const bool are_columns = !is_row && are_alike(columns.columns) && goes_one_way(glance_at(table, columns)),
+             are_rows = !is_row && !are_columns && are_alike(rows.columns) && goes_one_way(glance_at(table, rows)) &&
+                        (!measured.empty() || table.titles.empty());
+  if ((is_row && (is_told || table.titles.empty())) || (are_rows && is_told)) return rows;
+
+  const auto in_order = [&](std::size_t k) {
+    const Selection one{{k}, unit_of(table, k)->dimension, false};
+    readings.push_back({(one.dimension == Dimension::length ? "heights, one after the other, of " : "") +
+                            column_name(table, k),
+                        {one.dimension == Dimension::length ? "heights" : options.as, options.unit,
+                         with_drops(table, options, one)}});
+  };
+  const auto pair = [&](std::size_t before, std::size_t after, const std::string& as) {
+    readings.push_back({"before and after a bounce, from " + column_name(table, before) + " to " +
+                            column_name(table, after),
+                        {as, options.unit, column_option(table, "h0", before) + "," + column_option(table, "h", after)}});
+  };
+  if (wanted.size() == 1 && (measured.size() == 1 || is_told)) {
+    in_order(wanted[0]);
+    std::string other;
+    for (std::size_t k = 0; k < table.n_columns(); ++k) {
+      const Sequence beside = glance_at(table, {{k}, dimension, false});
+      const bool names_unit = title_of(table, k).find_first_of("([/^") != std::string::npos;
+      const bool may_be_read = are_heights ? !is_told && !beside.values.empty()
+                                           : (goes_one_way(beside) && !names_unit) ||
+                                                 std::find(likely_columns.begin(), likely_columns.end(), k) !=
+                                                     likely_columns.end();
+      if (unit_of(table, k) || title_of(table, k) == "drop" || numbers_rows(table, k) || !may_be_read) continue;
+      other = column_name(table, k);
+      if (are_heights) pair(wanted[0], k, "heights");
+    }
+    if (!are_heights) readings.insert(readings.end(), likely.begin(), likely.end());
+    if (other.empty()) return {wanted, dimension, false};
+    ask(table, name,
+        are_heights ? "has heights and another column of numbers: what is it?"
+                    : other + " rises or falls beside the times: are the rows the bounces of one ball, one after the "
+                              "other, and which column is read?",
         std::move(readings));
   }
-  if (is_row && options.as != "auto") return std::nullopt;
-  if (is_row && !of_time.empty()) {
-    const bool times = rise(row_of_numbers(table, name));
-    readings = {
-        {times ? "times in a row" : "intervals in a row", told(times ? "times" : "intervals", options.unit, {})}};
-  }
-  if (of_time.size() > 1)
-    ask(table, name,
-        std::to_string(of_time.size()) +
-            " columns are of a time, and one is read; which? Several drops stand below each other, with a column drop",
-        std::move(readings));
-  if (measured.size() > 1 && !of_time.empty()) {
-    for (const std::size_t k : measured)
-      if (!is_row && unit_of(table, k)->dimension == Dimension::length)
-        readings.push_back({"heights, one after the other, of " + column_name(table, k),
-                            told("heights", options.unit, column_option(table, "h", k))});
-    ask(table, name, "has a time and another measured quantity: which is to be read?", std::move(readings));
-  }
-  if (table.titles.empty() && is_row) return std::nullopt;
-  if (table.n_columns() == 1 && (table.titles.empty() || options.as != "auto")) return std::size_t{0};
-  if (!measured.empty())
-    ask(table, name,
-        "no column is a time: " + column_name(table, measured.front()) +
-            " is another quantity; bouncelab fit takes speeds and coefficients",
-        {});
-  for (std::size_t k = 0; k < table.n_columns(); ++k)
-    if (const auto reading = likely_reading(table, options, k)) readings.push_back(*reading);
-  ask(table, name,
-      table.titles.empty() ? "which column is of times or intervals?" : "no title has a unit of time, such as Time (s)",
-      std::move(readings));
-}
+  if (table.n_columns() == 1 && (is_told ? measured.empty() || !wanted.empty() : table.titles.empty())) return {{0}, dimension, false};
 
-bool names_interval(const std::optional<TitleUnit>& unit) {
-  constexpr std::array<std::string_view, 5> kNames{"dt", "\xCE\x94t", "\xE2\x88\x86t", "interval", "Interval"};
-  return unit && std::find(kNames.begin(), kNames.end(), unit->quantity) != kNames.end();
-}
-
-/// What the numbers are: --as, or what they prove.
-bool are_intervals(const ForeignTable& table, const Sequence& sequence, const ForeignOptions& options,
-                   const std::string& name) {
-  if (options.as != "auto") return options.as == "intervals";
-  const bool times = rise(sequence), titled = names_interval(sequence.unit);
-  if (titled != times) return titled;
-  const std::string how = sequence.column ? "the numbers of " + column_name(table, *sequence.column) : "the numbers";
-  std::string question = how + (titled ? " rise, as times do, and their title says intervals"
-                                       : " do not rise from row to row, as times do: intervals?");
-  std::vector<Reading> readings;
-  for (const auto& [unit, unit_s] : kTimeUnits)
-    for (const char* as : {"intervals", "times"})
-      if (sequence.unit ? unit == kTimeUnits[0].first : are_of_a_ball(unit_s * typical_interval(sequence, *as == 'i')))
-        readings.push_back({std::string(as) + " in " + (sequence.unit ? sequence.unit->name : unit),
-                            told(as, sequence.unit ? options.unit : unit, options.columns)});
-  for (const auto& [unit, unit_m] : {std::pair{"m", 1.0}, {"cm", 1e-2}, {"mm", 1e-3}}) {
-    constexpr double kLeast_m = 0.15, kMost_m = 3.5;  // what a ball is dropped from in a room
-    const double height_m = unit_m * sequence.values.front().number.value;
-    if (!times && !sequence.unit && height_m > kLeast_m && height_m < kMost_m)
-      readings.push_back(
-          {std::string("heights in ") + unit,
-           told("heights", unit,
-                sequence.column && !table.titles.empty() ? column_option(table, "h", *sequence.column) : "")});
+  if (is_row)
+    ask(table, name,
+        are_heights ? "has heights in a row: of one ball, from its release on?"
+                    : std::to_string(rows.columns.size()) + " columns are of a time, in one row: of one ball?",
+        {{"they are",
+          {are_heights ? "heights" : rises(glance_at(table, rows)) ? "times" : "intervals", options.unit, {}}}});
+  std::string question;
+  if (said("heights")) {
+    question = "which column holds heights?";
+    for (const std::size_t k : all)
+      if (table.number(table.rows.front(), k) && !numbers_rows(table, k))
+        readings.push_back({"one after the other, " + column_name(table, k),
+                            {"heights", options.unit, column_option(table, "h", k)}});
+    if (readings.size() == 2 && table.n_columns() == 2) pair(0, 1, "heights");
+  } else if (are_heights && lengths.size() == 2 && measured.size() == 2) {
+    question = "two columns are heights: before and after a bounce?";
+    const auto x = table.number(table.rows.front(), lengths[0]), y = table.number(table.rows.front(), lengths[1]);
+    if (x && y && std::abs(x->value) < std::abs(y->value)) std::swap(lengths[0], lengths[1]);
+    pair(lengths[0], lengths[1], "auto");
+  } else if (!times.empty()) {
+    question = times.size() > 1 ? std::to_string(times.size()) + " columns are of a time; which is read?"
+                                : "has a time and another measured quantity: which is to be read?";
+    for (const std::size_t k : times) in_order(k);
+    if (times.size() == 1)
+      for (const std::size_t k : lengths) in_order(k);
+  } else if (!measured.empty()) {
+    question = "no column is a time: " + column_name(table, measured.front()) +
+               " is another quantity; bouncelab fit takes speeds and coefficients";
+  } else {
+    question =
+        table.titles.empty() ? "which column is of times or intervals?" : "no title has a unit of time, such as Time (s)";
+    readings = likely;
+  }
+  if ((are_columns || are_rows) && !are_heights && options.columns.empty()) {
+    const Selection& several = are_columns ? columns : rows;
+    const Sequence numbers = glance_at(table, several);
+    for (const Reading& reading :
+         readings_of(numbers, {rises(numbers) ? "times" : "intervals"}, !measured.empty(), options,
+                     are_columns ? columns_option(table, "t", several.columns) : ""))
+      readings.push_back({(are_columns ? "a drop in each column, " : "a drop in each row, ") + reading.meaning,
+                          reading.options});
   }
   ask(table, name, question, std::move(readings));
 }
 
-/// Seconds per unit of the numbers.
-double unit_s_of(const ForeignTable& table, Sequence& sequence, bool intervals, const ForeignOptions& options,
-                 const std::string& name) {
-  const bool is_clock = sequence.unit && sequence.unit->name == kClock;
-  if (is_clock && options.unit != "auto") return 1.0;  // its cells are in seconds, whatever is said
-  for (const auto& [unit, unit_s] : kTimeUnits)
-    if (options.unit == unit) return sequence.unit = TitleUnit{Dimension::time, unit_s, unit, {}}, unit_s;
-  if (!sequence.unit) sequence.unit = TitleUnit{Dimension::time, 1.0, "s", {}};
-  const double unit_s = sequence.unit->si;
-  const double typical = typical_interval(sequence, intervals);
-  if (typical == 0.0 || are_of_a_ball(unit_s * typical)) return unit_s;
-  std::vector<Reading> readings;
-  for (const auto& [unit, other_s] : kTimeUnits)
-    if (is_clock ? other_s == 1.0 : are_of_a_ball(other_s * typical))
-      readings.push_back({std::string("in ") + unit, told(options.as, unit, options.columns)});
+/// What the numbers are: --as, or what they prove.
+std::string meaning_of(const ForeignTable& table, const Selection& selection, const Sequence& sequence,
+                       const ForeignOptions& options, const std::string& name) {
+  if (selection.dimension == Dimension::length) return "heights";
+  if (options.as != "auto") return options.as;
+  constexpr std::array<std::string_view, 5> kIntervals{"dt", "\xCE\x94t", "\xE2\x88\x86t", "interval", "Interval"};
+  const bool times = rises(sequence), titled = sequence.unit && std::find(kIntervals.begin(), kIntervals.end(),
+                                                                          sequence.unit->quantity) != kIntervals.end();
+  if (titled != times) return titled ? "intervals" : "times";
+  std::vector<const char*> as{"intervals", "times"};
+  if (!titled && !sequence.unit) as.push_back("heights");
+  std::vector<Reading> readings = readings_of(sequence, as, sequence.unit.has_value(), options, options.columns);
+  for (Reading& reading : readings)
+    if (reading.options.as == "heights" && !table.titles.empty())
+      reading.options.columns = columns_option(table, "h", selection.columns);
   ask(table, name,
-      "intervals of " + short_number(typical) + " " + (is_clock ? "s" : sequence.unit->name) +
-          " in the median, which no ball has; in which unit are they?",
+      (selection.by_rows || selection.columns.size() > 1 ? "the numbers"
+                                                         : "the numbers of " + column_name(table, selection.columns[0])) +
+          (titled ? " rise, as times do, and their title says intervals"
+                  : " do not rise from row to row, as times do: intervals?"),
+      std::move(readings));
+}
+
+TitleUnit unit_of_numbers(const ForeignTable& table, const Sequence& sequence, const std::string& as,
+                          const ForeignOptions& options, const std::string& name) {
+  const Dimension dimension = as == "heights" ? Dimension::length : Dimension::time;
+  const bool is_clock = sequence.unit && sequence.unit->name == kClock, is_told = options.unit != "auto";
+  TitleUnit unit = sequence.unit.value_or(TitleUnit{Dimension::time, 1.0, "s", {}});
+  if (is_told && !is_clock) unit = unit_called(options.unit);
+  if (is_told && unit.dimension != dimension)
+    throw InvalidArgument("--unit " + options.unit + ": " + as + " are in " +
+                          (as == "heights" ? "m, cm, mm, in or ft" : "s, ms or us"));
+  if (is_told || (as == "heights" && sequence.unit)) return unit;
+  const bool is_single = as != "heights" && typical_interval(sequence, as == "intervals") == 0.0;
+  if (as != "heights" && (is_single || are_of_a_ball(sequence, as, unit.si))) return unit;
+  std::vector<Reading> readings = readings_of(sequence, {as.c_str()}, is_clock, options, options.columns);
+  for (Reading& reading : readings) {
+    reading.options.as = as == "heights" ? as : options.as;
+    if (is_clock) reading.options.unit = "s";
+  }
+  ask(table, name,
+      as == "heights" ? "in which unit are the heights?"
+                      : "intervals of " + short_number(typical_interval(sequence, as == "intervals")) + " " +
+                            (is_clock ? "s" : unit.name) + " in the median, which no ball has; in which unit are they?",
       std::move(readings));
 }
 
 struct Times {
-  std::vector<double> t_s;
-  std::vector<std::int64_t> drop;
+  std::vector<double> t_s, fall_m;
+  std::vector<std::int64_t> drop, drop_of_value;
+  std::string risen, mean;  ///< questions: there may be another drop, a last number was not measured
 };
 
 Times times_of_times(const Sequence& sequence, double unit_s, const std::string& name) {
@@ -239,40 +302,73 @@ Times times_of_times(const Sequence& sequence, double unit_s, const std::string&
   std::int64_t next = 0;
   for (std::size_t k = 0; k < sequence.values.size(); ++k) {
     const Sequence::Value& here = sequence.values[k];
-    if (k > 0 && here.number.value == sequence.values[k - 1].number.value && here.part == sequence.values[k - 1].part)
+    if (const NumberCell* before = sequence.before(k); before && here.number.value == before->value)
       throw FileError(name, "line " + std::to_string(here.line) +
                                 ": the time of the row before it stands again; delete one of the two");
     times.t_s.push_back(unit_s * here.number.value);
     of_part.push_back(times.t_s.back());
-    if (k + 1 < sequence.values.size() && sequence.values[k + 1].part == here.part) continue;
+    if (k + 1 < sequence.values.size() && sequence.before(k + 1)) continue;
     const std::vector<std::int64_t> drops =
         sequence.has_drops ? std::vector<std::int64_t>(of_part.size(), 0) : drops_of(of_part);
     for (const std::int64_t drop : drops) times.drop.push_back(next + drop);
     next = times.drop.back() + 1;
     of_part.clear();
   }
+  times.drop_of_value = times.drop;
   return times;
 }
 
-/// Each drop's first impact is at 0.
-Times times_of_intervals(const Sequence& sequence, double unit_s, const std::string& name) {
-  constexpr double kGrown = 1.5;  // of one ball's flights none is so much longer than that before it
+/// Flights, or the heights of them of which the first is the release: each drop's first impact is at 0.
+Times times_of_flights(const Sequence& sequence, double si, bool heights, const std::string& name) {
+  // of one ball's flights none is so much longer than that before it; above the second it may be another drop
+  const double grown = heights ? 2.25 : 1.5, risen = heights ? 1.2 : grown;
+  double rounding = HUGE_VAL;
+  for (const Sequence::Value& one : sequence.values) rounding = std::min(rounding, one.number.rounding);
   Times times;
   std::int64_t drop = -1;
+  double sum = 0.0, n = 0.0;  // of those before it in its part
   for (std::size_t k = 0; k < sequence.values.size(); ++k) {
     const Sequence::Value& here = sequence.values[k];
-    if (!(here.number.value > 0.0))
-      throw FileError(name, "line " + std::to_string(here.line) + ": an interval of " +
-                                short_number(here.number.value) +
-                                "; intervals are above 0: leave it out, or say --as times");
-    const bool begins = k == 0 || here.part != sequence.values[k - 1].part ||
-                        (!sequence.has_drops && here.number.value > kGrown * sequence.values[k - 1].number.value);
+    const double value = here.number.value;
+    const std::string place = "line " + std::to_string(here.line) + ": ";
+    if (!(value > 0.0))
+      throw FileError(name, place + (heights ? "a height of " + short_number(value) + "; heights are above 0: leave it out"
+                                             : "an interval of " + short_number(value) +
+                                                   "; intervals are above 0: leave it out, or say --as times"));
+    const NumberCell* before = sequence.before(k);
+    sum = before ? sum + before->value : 0.0, n = before ? n + 1.0 : 0.0;
+    const bool is_last = k + 1 == sequence.values.size() || !sequence.before(k + 1);
+    if (is_last && n >= 3.0 && value > before->value && std::abs(value - sum / n) <= rounding)
+      times.mean = place + "the last number is the mean of those before it: was it measured? Else delete the line";
+    const bool begins = !before || (!sequence.has_drops && value > grown * before->value);
+    if (before && !begins && !sequence.has_drops && value > risen * before->value && times.risen.empty())
+      times.risen = place + "the ball rose higher than before; a new drop? Write a blank line above it, or a column drop";
     if (begins) times.t_s.push_back(0.0), times.drop.push_back(++drop);
-    times.t_s.push_back(times.t_s.back() + unit_s * here.number.value);
+    times.drop_of_value.push_back(drop);
+    if (heights) times.fall_m.push_back(si * value);
+    if (heights && begins) continue;
+    times.t_s.push_back(times.t_s.back() + (heights ? std::sqrt(8.0 * si * value / kDefaultGravity_mps2) : si * value));
     times.drop.push_back(drop);
   }
   return times;
 }
+
+/// Heights before and after a bounce: each row is a drop of one.
+Sequence numbers_of_pairs(const ForeignTable& table, const std::vector<std::size_t>& columns, const std::string& name) {
+  Sequence sequence;
+  sequence.unit = unit_of(table, columns, Dimension::length, name);
+  sequence.has_drops = true;
+  for (const PairOfCells& pair : pairs_in(table, columns[0], columns[1], name))
+    for (NumberCell cell : {pair.first, pair.second}) {
+      if (cell.value == 0.0)
+        throw FileError(name, "line " + std::to_string(pair.row->line) + ": a bounce from or to 0; leave it out");
+      cell.value = std::abs(cell.value);
+      sequence.values.push_back({cell, pair.row->line, static_cast<std::int64_t>(pair.row->line)});
+    }
+  return sequence;
+}
+
+std::string counted(std::size_t n, const char* what) { return std::to_string(n) + " " + what + (n == 1 ? "" : "s"); }
 
 }  // namespace
 
@@ -293,47 +389,52 @@ std::vector<std::int64_t> drops_of(std::span<const double> t_s) {
 }
 
 TakenTable onsets_from_foreign(const ForeignTable& table, const std::string& name, const ForeignOptions& options) {
-  if (auto other = heights_from_foreign(table, name, options)) return *std::move(other);
   if (own_column(table, "eps") && own_column(table, "v_mps") && !own_column(table, "t_s") && !options.tells())
     throw FileError(name, "holds speeds and coefficients of restitution, no times; bouncelab fit takes it");
-  const std::optional<std::size_t> column = column_of(table, options, name);
-  Sequence sequence = column ? column_of_numbers(table, *column, options, name) : row_of_numbers(table, name);
-  if (sequence.unit && sequence.unit->dimension != Dimension::time) sequence.unit.reset();
-  if (sequence.values.empty()) throw FileError(name, "holds no times or intervals");
+  const auto from = told_column(table, options, "h0", name), to = told_column(table, options, "h", name);
+  const bool are_pairs = from && to;
+  const Selection selection =
+      are_pairs ? Selection{{*from, *to}, Dimension::length, true} : selection_of(table, options, name);
+  const Sequence sequence =
+      are_pairs ? numbers_of_pairs(table, selection.columns, name) : numbers_of(table, selection, options, name);
+  if (sequence.values.empty()) throw FileError(name, "holds no times, intervals or heights");
   constexpr std::size_t kFrames = 8;  // of a video
-  if (options.as == "auto" && are_equal_steps(sequence, kFrames))
+  if (options.as == "auto" && sequence.values.size() >= kFrames && has_equal_steps(sequence))
     ask(table, name,
         "has times that are equally spaced, as the frames of a video are; impact times are needed: leave "
         "the rows of the impacts only",
-        {{"if each is an impact", told("times", options.unit, options.columns)}});
-  const bool intervals = are_intervals(table, sequence, options, name);
-  const double unit_s = unit_s_of(table, sequence, intervals, options, name);
-  Times times = intervals ? times_of_intervals(sequence, unit_s, name) : times_of_times(sequence, unit_s, name);
-  if (sequence.column && options.columns.empty() && !sequence.has_drops) {
-    std::vector<std::int64_t> drop_of_row(table.rows.size(), -1);
-    std::size_t impact = 0;
-    for (std::size_t row = 0; row < table.rows.size(); ++row) {
-      if (!table.number(table.rows[row], *sequence.column)) continue;
-      if (intervals && (impact == 0 || times.drop[impact] != times.drop[impact - 1])) ++impact;  // its first, at 0
-      drop_of_row[row] = times.drop[impact++];
-    }
-    check_blocks(table, *sequence.column, "t", drop_of_row, options, name);
-  }
+        {{"if each is an impact", {"times", options.unit, options.columns}}});
+  const std::string as = meaning_of(table, selection, sequence, options, name);
+  const TitleUnit unit = unit_of_numbers(table, sequence, as, options, name);
+  Times times = as == "times" ? times_of_times(sequence, unit.si, name)
+                              : times_of_flights(sequence, unit.si, as == "heights", name);
+  if (!are_pairs) check_others(table, selection, sequence, times.drop_of_value, options, name);
+  if (!times.risen.empty()) ask(table, name, times.risen, {});
+  if (!times.mean.empty() && options.columns.empty())
+    ask(table, name, times.mean,
+        {{"it was", {as, options.unit, columns_option(table, selection.key(), selection.columns)}}});
+  const std::size_t n_impacts = times.t_s.size(), n_drops = static_cast<std::size_t>(times.drop.back()) + 1;
+  if (as == "heights" && n_impacts == n_drops)
+    throw FileError(name, "one height; two are needed, of the release and of the first bounce");
+  double rounding = HUGE_VAL;  // the finest: people drop zeros
+  for (const Sequence::Value& value : sequence.values)
+    if (value.number.rounding > 0.0) rounding = std::min(rounding, unit.si * value.number.rounding);
   TakenTable taken;
-  const std::size_t n_impacts = times.t_s.size();
-  const std::int64_t n_drops = times.drop.back() + 1;
   taken.table.columns.push_back({"drop", std::move(times.drop)});
-  taken.table.columns.push_back({"t_s", std::move(times.t_s), decimals_of(sequence.roundings(), unit_s)});
-  if (!intervals && sequence.column && n_impacts == table.rows.size()) {
+  taken.table.columns.push_back({"t_s", std::move(times.t_s), as == "heights" ? -1 : decimals_of(rounding)});
+  if (as == "heights") taken.table.columns.push_back({"fall_m", std::move(times.fall_m), decimals_of(rounding)});
+  if (as == "times" && selection.columns.size() == 1 && n_impacts == table.rows.size()) {
     std::vector<ColumnSpec> own = onset_columns();
     std::erase_if(own, [](const ColumnSpec& spec) { return spec.type == ColumnType::integer; });  // numbered anew
     add_own_columns(table, own, name, taken.table);
   }
-  for (std::size_t k = 0; k < n_impacts && !intervals; ++k) taken.table.stands_on(k, sequence.values[k].line);
-  const std::string how = source_in_words(table, sequence);
-  taken.taken_for = std::string(intervals ? "intervals" : "times") + (sequence.unit->name == kClock ? " as " : " in ") +
-                    sequence.unit->name + (how.empty() ? "" : " (" + how + ")") + ": " + std::to_string(n_impacts) +
-                    " impacts in " + std::to_string(n_drops) + (n_drops == 1 ? " drop" : " drops");
+  for (std::size_t k = 0; k < n_impacts && as == "times"; ++k) taken.table.stands_on(k, sequence.values[k].line);
+  const std::string how = are_pairs ? column_name(table, *from) + " and " + column_name(table, *to)
+                                    : source_in_words(table, selection);
+  taken.taken_for = as + (as == "heights" ? "" : (unit.name == kClock ? " as " : " in ") + unit.name) +
+                    (are_pairs ? " before and after" : "") + (how.empty() ? "" : " (" + how + ")") + ": " +
+                    (as == "heights" ? counted(n_impacts - n_drops, "bounce") : std::to_string(n_impacts) + " impacts") +
+                    " in " + counted(n_drops, "drop");
   return taken;
 }
 

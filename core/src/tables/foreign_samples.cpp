@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Speeds and coefficients of restitution of other people's tables: --columns v=...,eps=..., or our v_mps and eps.
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <utility>
@@ -68,32 +69,30 @@ TakenTable samples_from_foreign(const ForeignTable& foreign, const std::string& 
                               "v_in=COLUMN,v_out=COLUMN");
   const TitleUnit unit = unit_of_speed(*v);
   const double unit_mps = unit.si, after_mps = are_speeds ? unit_of_speed(*eps).si : 1.0;
-  check_first_cells(foreign, name);
   ForeignTable used{foreign.format, foreign.titles, {}};
-  std::vector<double> speeds, values, speed_roundings, eps_roundings, sigma_eps;
-  for (const ForeignTable::Row& row : foreign.rows) {
-    const auto speed = number_in(foreign, row, *v, name), coefficient = number_in(foreign, row, *eps, name);
-    if (!speed || !coefficient) continue;
-    used.rows.push_back(row);
-    speeds.push_back(unit_mps * speed->value);
-    values.push_back(coefficient->value);
-    speed_roundings.push_back(speed->rounding);
-    eps_roundings.push_back(coefficient->rounding);
+  std::vector<double> speeds, values, sigma_eps;
+  double speed_rounding = HUGE_VAL, eps_rounding = HUGE_VAL;
+  for (const PairOfCells& pair : pairs_in(foreign, *v, *eps, name)) {
+    const NumberCell &speed = pair.first, &coefficient = pair.second;
+    used.rows.push_back(*pair.row);
+    speeds.push_back(unit_mps * speed.value);
+    values.push_back(coefficient.value);
+    speed_rounding = std::min(speed_rounding, unit_mps * speed.rounding);
+    eps_rounding = std::min(eps_rounding, coefficient.rounding);
     if (!are_speeds) continue;
-    if (speed->value == 0.0 || coefficient->value == 0.0)
-      throw FileError(name, "line " + std::to_string(row.line) + ": a bounce of speed 0; leave it out");
+    if (speed.value == 0.0 || coefficient.value == 0.0)
+      throw FileError(name, "line " + std::to_string(pair.row->line) + ": a bounce of speed 0; leave it out");
     speeds.back() = std::abs(speeds.back());  // signed or not
-    values.back() = std::abs(after_mps * coefficient->value) / speeds.back();
+    values.back() = std::abs(after_mps * coefficient.value) / speeds.back();
     sigma_eps.push_back(2.0 / std::sqrt(12.0) * values.back() *
-                        std::hypot(speed->rounding / speed->value, coefficient->rounding / coefficient->value));
+                        std::hypot(speed.rounding / speed.value, coefficient.rounding / coefficient.value));
   }
-  if (used.rows.empty()) throw FileError(name, "has no row with a speed and a coefficient of restitution");
   if (const double typical = median(values); typical > 2.0)  // above 1 is rare, and 2 no ball has by itself
     throw FileError(name, column_name(foreign, *eps) + ": coefficients of " + short_number(typical) +
                               " in the median; are they per cent? Write 0.89 for 89 %");
   TakenTable taken;
-  taken.table.columns = {Column{"v_mps", std::move(speeds), decimals_of(speed_roundings, unit_mps)},
-                         Column{"eps", std::move(values), are_speeds ? -1 : decimals_of(eps_roundings, 1.0)}};
+  taken.table.columns = {Column{"v_mps", std::move(speeds), decimals_of(speed_rounding)},
+                         Column{"eps", std::move(values), are_speeds ? -1 : decimals_of(eps_rounding)}};
   if (are_speeds) taken.table.columns.push_back({"sigma_eps", std::move(sigma_eps)});
   add_own_columns(used, sample_columns(), name, taken.table);
   for (std::size_t k = 0; k < used.rows.size(); ++k) taken.table.stands_on(k, used.rows[k].line);

@@ -1,19 +1,25 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The numbers of a column or a row, in their order, and the drops that the table tells.
+// The numbers of columns or rows, in their order, the drops that the table tells, and what else stands beside them.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "tables/foreign_columns.hpp"
 
 namespace bouncelab {
 
-using Reading = AmbiguousTable::Reading;
+/// What is read: a column, several of which each is a drop, or rows of which each is one.
+struct Selection {
+  std::vector<std::size_t> columns;
+  Dimension dimension = Dimension::time;
+  bool by_rows = false;
+
+  const char* key() const { return dimension == Dimension::length ? "h" : "t"; }
+};
 
 /// The numbers of a table in their order, in the unit of the table.
 struct Sequence {
@@ -23,36 +29,35 @@ struct Sequence {
     std::int64_t part = 0;  // of the column of drops, or between blank lines
   };
   std::vector<Value> values;
-  std::optional<std::size_t> column;  ///< absent: a row
   std::optional<TitleUnit> unit;
-  bool has_drops = false;  ///< a column tells them; between blank lines there may be more
+  bool has_drops = false;  ///< the table tells them; between blank lines there may be more
 
-  std::vector<double> roundings() const;
+  /// The number before it in the same part.
+  const NumberCell* before(std::size_t k) const {
+    return k > 0 && values[k - 1].part == values[k].part ? &values[k - 1].number : nullptr;
+  }
 };
 
-inline constexpr const char* kClock = "clock times";
-
-/// The unit of a column by its cells, else by its title.
-std::optional<TitleUnit> unit_of(const ForeignTable& table, std::size_t column);
-ForeignOptions told(std::string as, std::string unit, std::string columns);
-
-/// The first cells of the only row, as far as it is filled. @throws FileError: a gap
-Sequence row_of_numbers(const ForeignTable& table, const std::string& name);
 /// With the drops by --columns drop=..., a column called drop, or blank lines. @throws FileError, AmbiguousTable
-Sequence column_of_numbers(const ForeignTable& table, std::size_t column, const ForeignOptions& options,
-                           const std::string& name);
+Sequence numbers_of(const ForeignTable& table, const Selection& selection, const ForeignOptions& options,
+                    const std::string& name);
 /// "column 'Time (s)', ';' between, decimal comma"
-std::string source_in_words(const ForeignTable& table, const Sequence& sequence);
+std::string source_in_words(const ForeignTable& table, const Selection& selection);
 
-/// Asks about a column whose cells stand in blocks ("1 1 1 2 2 2") that are not the drops found.
-/// @param key          of --columns for the column of the numbers
-/// @param drop_of_row  -1: the row has no impact
-void check_blocks(const ForeignTable& table, std::size_t column, std::string_view key,
-                  const std::vector<std::int64_t>& drop_of_row, const ForeignOptions& options, const std::string& name);
+/// Whole numbers from 0 or 1 on: of the rows, the bounces, the drops.
+bool numbers_rows(const ForeignTable& table, std::size_t column);
+/// Do the numbers rise from row to row, or in each drop again, for three impacts or more?
+bool rises(const Sequence& sequence);
+/// Does every part rise, or every part fall, over three numbers or more?
+bool goes_one_way(const Sequence& sequence);
+/// Is each step as long as the first, within the rounding?
+bool has_equal_steps(const Sequence& sequence);
 
-/// Heights, where the options or the units of the titles say so; nothing of another table.
-/// @throws FileError, AmbiguousTable
-std::optional<TakenTable> heights_from_foreign(const ForeignTable& table, const std::string& name,
-                                               const ForeignOptions& options);
+/// Asks about columns that may tell more than is read: blocks ("1 1 1 2 2 2") that are not the drops found, words in some
+/// rows.
+/// @param drop_of_value  of each number of the sequence
+void check_others(const ForeignTable& table, const Selection& selection, const Sequence& sequence,
+                  const std::vector<std::int64_t>& drop_of_value, const ForeignOptions& options,
+                  const std::string& name);
 
 }  // namespace bouncelab

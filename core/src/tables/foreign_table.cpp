@@ -128,9 +128,11 @@ CellFormat format_without_titles(std::span<const Line> rows, const std::string& 
     refuse_cells(rows, name,
                  "not every line has the same number of cells, all of them numbers; write a line of titles above, such "
                  "as Time (s)");
-  if (formats.size() == 1) return formats.front().second;
-  if (!options.columns.empty()) return formats.back().second;
-  if (options.as != "auto" && formats.front().first == 1) return formats.front().second;
+  const bool is_indented = formats.front().second.separator == kOneCell && formats.front().second.decimal == '.';
+  if (formats.size() == 1 || is_indented) return formats.front().second;
+  const auto by_cells = [](const auto& a, const auto& b) { return a.first < b.first; };
+  if (!options.columns.empty()) return std::max_element(formats.begin(), formats.end(), by_cells)->second;
+  if (options.as != "auto") return std::min_element(formats.begin(), formats.end(), by_cells)->second;
   ForeignOptions times = options, intervals = options, several = options;
   times.as = "times", intervals.as = "intervals", several.columns = "t=1";
   throw AmbiguousTable(name,
