@@ -106,24 +106,21 @@ void look_beside(const SmoothCurve& curve, LawFit& law, const LawFitConfig& conf
 /// What is stated as the law's constants.
 Constants constants_of(const FitResult& result, const LawFit& viscoelastic) {
   const LawFit& law = result.law;
-  Constants constants{law.status, law.message, false, law.parameters, law.covariance, {}};
+  Constants constants{law.status, law.why, false, law.parameters, law.covariance, {}};
   if (memory_holds(result)) {
     const MemoryFit& memory = *result.memory;
     constants.with_memory = true;
     constants.parameters = memory.parameters;
     constants.covariance = memory.covariance;
-    constants.message = not_identified_in_words(memory.parameters, memory.n);
-    constants.status = constants.message.empty() ? FitStatus::ok : FitStatus::not_identifiable;
+    constants.why = not_identified(memory.parameters, memory.n);
+    constants.status = constants.why ? FitStatus::not_identifiable : FitStatus::ok;
   }
   if (viscoelastic.misfit && viscoelastic.misfit->ln_bayes_factor <= kStrongBayesFactor)
     constants.gamma = viscoelastic.parameters.front().estimate;
   if (law.misfit && law.misfit->ln_bayes_factor > kStrongBayesFactor) {
     constants.status = FitStatus::not_applicable;
-    constants.message = formatted(
-        "the law does not describe these bounces: at %.2g m/s ε is %.2g %s it (ln B = %.0f), and its "
-        "constants mean nothing",
-        law.misfit->v_mps, std::abs(law.misfit->off), law.misfit->off > 0.0 ? "above" : "below",
-        law.misfit->ln_bayes_factor);
+    constants.why =
+        Note{NoteKind::law_contradicted, {law.misfit->v_mps, law.misfit->off, law.misfit->ln_bayes_factor}};
     constants.parameters.clear();
     constants.covariance.clear();
   }

@@ -86,14 +86,14 @@ function questions() {
 }
 
 function notes() {
-  const warnings = [...new Set([...((summary && summary.warnings) || []), ...((fit && fit.warnings) || [])])];
+  const warnings = notesOf('warning');
   if (!warnings.length) return;
   add('h2', {id: 'notes'}, 'What to know before using it');
   add('div', {class: 'warnings'}, element('ul', {}, warnings.map(w => element('li', {}, withoutPaths(w)))));
 }
 
 function details() {
-  const list = (fit && fit.details) || [];
+  const list = notesOf('detail');
   if (!list.length) return;
   add('h2', {id: 'details'}, 'Details');
   add('ul', {}, list.map(w => element('li', {}, withoutPaths(w))));

@@ -125,7 +125,7 @@ function comparisonPage(c, points) {
   }
   if (c.notes.length) {
     add('h2', {id: 'notes'}, 'What to know before using it');
-    add('div', {class: 'warnings'}, element('ul', {}, c.notes.map(note => element('li', {}, note))));
+    add('div', {class: 'warnings'}, element('ul', {}, c.notes.map(note => element('li', {}, note.text))));
   }
   differencesSection(c.differences);
   if (c.status !== 'ok') return comparisonTables({...c, law: {parameters: [], nodes: []}, heterogeneity: null, tau: null}, points);

@@ -80,9 +80,10 @@ function roughnessTable(r) {
 
 /// Everything above, where the fit has a memory.
 function memorySection(m, roughness) {
-  const words = m.status !== 'ok' ? `The memory could not be fitted: ${m.message || m.status}.` :
+  const objections = whyOf(/^memory_(?!without_ball)/);
+  const words = m.status !== 'ok' ? `The memory could not be fitted: ${objections || m.status}.` :
       m.holds ? `It holds: the energy that a bounce takes out of the vertical motion sits in spin and sideways motion and sets how much the next may scatter. ${number(m.n)} impacts of ${number(m.n_drops)} ${m.n_drops === 1 ? 'drop' : 'drops'}.` :
-      `It does not hold for these impacts${m.message ? ': ' + m.message : ''}. ε(v) of the first screen does not use it; the numbers here only show where the model fails.`;
+      `It does not hold for these impacts${objections ? ': ' + objections : ''}. ε(v) of the first screen does not use it; the numbers here only show where the model fails.`;
   if (m.status !== 'ok' || !total(m.transform_counts || [])) {
     add('h2', {id: 'memory'}, 'Memory: do the fluctuations depend on those before?');
     add('p', {class: 'caption'}, words);

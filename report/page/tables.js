@@ -43,7 +43,8 @@ function constantsTable() {
   if (!fit) return;
   const named = [...(constants.parameters || []).filter(isDetermined).map(name => [name, constants[name]]),
                  ...(constants.gamma && !(constants.parameters || []).includes('gamma') ? [['γ, of a viscoelastic sphere', constants.gamma]] : [])];
-  const why = constants.message ? constants.message[0].toUpperCase() + constants.message.slice(1) + '.' : '';
+  const reason = whyOf(/^(law_contradicted|too_few_samples|not_a_sphere|not_converged|not_identifiable)$/);
+  const why = reason ? reason[0].toUpperCase() + reason.slice(1) + '.' : '';
   if (!named.length) {
     if (!why) return;
     add('h2', {}, 'Constants of the law');
@@ -81,7 +82,7 @@ function recordingsTable() {
 }
 
 function otherLaws() {
-  table('Which law?', ['law', 'parameters', 'ΔAIC'], ((fit && fit.laws) || []).map(c => [c.name, number(c.n_parameters), number(c.delta_aic, 4)]),
+  table('Which law?', ['law', 'ΔAIC'], ((fit && fit.laws) || []).map(c => [c.name, number(c.delta_aic, 4)]),
         'Same samples, same model of the scatter; differences to the best, smaller is better, 10 is decisive.');
 }
 

@@ -8,6 +8,10 @@ const {summary, fit, wave, samples} = data;
 /// Constants of the law as they are stated: by the fit with memory where that holds, else with impacts taken as
 /// independent.
 const constants = (fit && fit.constants) || {}, withMemory = constants.with_memory === true;
+/// What a user should know, the most severe first: of the summary, which has those of the fit too, or of the fit.
+const notesOf = severity => ((summary && summary.notes) || (fit && fit.notes) || []).filter(note => (note.severity === 'detail') === (severity === 'detail')).map(note => note.text);
+/// Why a fit is as it is, by the kinds of its notes.
+const whyOf = kinds => ((fit && fit.notes) || []).filter(note => kinds.test(note.kind)).map(note => note.text).join('; ');
 const few = Boolean(samples);  // few enough to be shown one by one: more are not in the data
 
 function element(tag, attributes, ...children) {

@@ -2,55 +2,35 @@
 #include "bouncelab/report/answer.hpp"
 
 #include <algorithm>
-#include <cctype>
 
 #include "words.hpp"
 
 namespace bouncelab::report {
 
 FitInWords in_words(const fit::FitResult& result, const RestitutionSamples& samples, fit::UseMemory memory) {
-  FitInWords words{plain_answer(result, samples),
-                   {},
-                   {},
-                   {},
-                   findings_of(result, samples.empty() ? SampleConditions{} : samples.front().conditions)};
+  const SampleConditions conditions = samples.empty() ? SampleConditions{} : samples.front().conditions;
+  FitInWords words{plain_answer(result, samples), notes_of(result, samples, memory), {},
+                   findings_of(result, conditions)};
   words.causes = causes_of(result, words.answer, samples);
-  warn(result, samples, words);
-  if (memory == fit::UseMemory::always && result.memory && !result.memory->holds)
-    words.warnings.insert(words.warnings.begin(), in_words(*result.memory));
   return words;
 }
 
-void choose_doubt(const std::vector<std::string>& warnings, FitInWords& words) {
-  const auto first = std::find_if(warnings.begin(), warnings.end(), [&](const std::string& warning) {
-    return words.answer.at || warning.find("do not agree") == std::string::npos;  // which the answer says
+void take(const std::vector<Note>& notes, FitInWords& words) {
+  PlainAnswer& answer = words.answer;
+  if (!notes.empty() && severity_of(notes.front().kind) == Severity::no_answer) {
+    PlainAnswer none;
+    none.seen = answer.seen;
+    none.sentences = {as_sentence(notes.front())};
+    answer = std::move(none);
+    words.causes.clear();
+    return;
+  }
+  const auto first = std::find_if(notes.begin(), notes.end(), [&](const Note& note) {
+    const bool is_said = !answer.at && note.kind == NoteKind::recordings_differ;
+    return (severity_of(note.kind) == Severity::warning && !is_said) || note.kind == NoteKind::uncertain_air ||
+           note.kind == NoteKind::uncertain_contact;
   });
-  if (first == warnings.end() || words.answer.sentences.empty()) return;
-  std::string& doubt = words.answer.doubt = *first;
-  if (const auto flag = doubt.find(" (flag "); flag != std::string::npos)  // which is in the tables only
-    doubt.erase(flag, doubt.find(')', flag) + 1 - flag);
-  const bool begins_with_file = doubt.substr(0, doubt.find_first_of(" :")).find('.') != std::string::npos;
-  if (!begins_with_file) doubt.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(doubt.front())));
-  if (doubt.back() != '.' && doubt.back() != '?') doubt += '.';
-}
-
-void withhold_answer(const std::string& why, FitInWords& words) {
-  PlainAnswer none;
-  none.seen = words.answer.seen;
-  none.sentences = {why + "."};
-  std::string& sentence = none.sentences.front();
-  sentence.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(sentence.front())));
-  words.answer = std::move(none);
-  words.causes.clear();
-}
-
-void keep_three(std::vector<std::string>& warnings, FitInWords& words) {
-  if (warnings.size() <= kMostWarnings) return;
-  words.details.insert(words.details.begin(), warnings.begin() + kMostWarnings, warnings.end());
-  warnings.resize(kMostWarnings);
-  std::erase_if(words.warnings, [&](const std::string& one) {
-    return std::find(warnings.begin(), warnings.end(), one) == warnings.end();
-  });
+  if (first != notes.end() && !answer.sentences.empty()) answer.doubt = as_sentence(*first);
 }
 
 Description members_of(const DropsSeen*) {
@@ -142,8 +122,9 @@ Description members_of(const FitInWords*) {
   using W = FitInWords;
   static constexpr Member all[]{
       member<&W::answer>("answer", "The result for somebody who dropped a ball, see [below](#answer)"),
-      member<&W::warnings>("warnings", "Texts: what may make another answer, at most three"),
-      member<&W::details>("details", "Texts: what else is to be said, of the constants for instance"),
+      computed(
+          "notes", [](const W& w) { return values_of(w.notes); },
+          "`[{kind, severity, text}]`, the most severe first: what a user should know, see [notes](#notes)"),
       member<&W::causes>("causes", "Why ε is not the same at every bounce: three, the largest first, see below"),
       member<&W::findings>(
           "answers",
@@ -158,9 +139,9 @@ Object object_of(const fit::FitResult& result, const FitInWords& words) {
   return all;
 }
 
-Object object_of(const fit::RoughnessResult& result, const std::vector<std::string>& warnings) {
+Object object_of(const fit::RoughnessResult& result, const std::vector<Note>& notes) {
   Object all = bouncelab::object_of(result);
-  all.emplace_back("warnings", value_of(warnings));
+  all.emplace_back("notes", values_of(notes));
   return all;
 }
 

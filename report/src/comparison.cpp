@@ -45,7 +45,7 @@ Values not_used_of(const std::vector<CampaignRecording>& recordings) {
                             {"day", date_of(recording.origin)},
                             {"n", value_of(recording.summary.n)},
                             {"status", to_string(recording.summary.status)},
-                            {"message", recording.summary.message}});
+                            {"message", recording.summary.why ? in_words(*recording.summary.why) : std::string()}});
   return rows;
 }
 
@@ -54,8 +54,9 @@ Values not_used_of(const std::vector<CampaignRecording>& recordings) {
 Object object_of(const BetweenRecordings& between, const std::vector<CampaignRecording>& recordings,
                  const std::optional<GroupDifferences>& differences) {
   Object all{{"status", to_string(between.status)},
-             {"message", between.message},
+             {"message", between.why ? in_words(*between.why) : std::string()},
              {"answer", value_of(in_words(between, recordings, differences))}};
+  all.emplace_back("notes", values_of(between.notes));
   append(all, bouncelab::object_of(between));
   all.emplace_back("differences", value_of(differences));
   all.emplace_back("outliers", outliers_of(between, recordings));
@@ -242,9 +243,9 @@ std::vector<std::string> in_words(const BetweenRecordings& between, const std::v
                                         [](const CampaignRecording& r) { return !r.origin.plate.empty(); });
     for (const GroupDifference& row : differences->rows)
       sentences.push_back(of_difference(row, differences->unit, are_plates));
-    if (!differences->message.empty()) sentences.push_back("No difference is stated: " + differences->message + ".");
+    if (differences->why) sentences.push_back("No difference is stated: " + in_words(*differences->why) + ".");
   }
-  if (between.status != FitStatus::ok) return sentences.empty() ? std::vector{between.message + "."} : sentences;
+  if (between.status != FitStatus::ok) return sentences.empty() ? std::vector{as_sentence(*between.why)} : sentences;
   sentences.push_back(formatted("ε = %s at %.2g m/s over %s; one more recording would have %.5f to %.5f (95 %%).",
                                 fit::in_words(between.eps.value, between.eps.se).c_str(), between.v_mps,
                                 n_recordings(between.n_used - between.n_outliers).c_str(), between.prediction95.lo,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bouncelab/core/text.hpp"
 #include "bouncelab/report/answer.hpp"
+#include "bouncelab/report/notes.hpp"
 
 namespace bouncelab::report {
 using namespace fit;
@@ -19,10 +20,16 @@ std::string describe_tests(const MemoryFit& memory) {
 
 }  // namespace
 
+std::string objections_in_words(const MemoryFit& memory) {
+  std::string text;
+  for (const std::string& one : texts_of(memory.objections)) text += (text.empty() ? "" : "; ") + one;
+  return text;
+}
+
 std::string in_words(const MemoryFit& memory) {
-  if (memory.status != FitStatus::ok) return "memory could not be fitted: " + memory.message;
+  if (memory.status != FitStatus::ok) return "memory could not be fitted: " + objections_in_words(memory);
   if (!memory.holds)
-    return "the fit with memory does not hold for these impacts: " + memory.message +
+    return "the fit with memory does not hold for these impacts: " + objections_in_words(memory) +
            "; use ε(v) of the independent likelihood";
   std::string text = "the fluctuations remember those before them, as a rough ball's do: ";
   if (memory.loglik_independent)

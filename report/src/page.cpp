@@ -11,6 +11,7 @@
 #include "bouncelab/core/core.hpp"
 #include "bouncelab/core/description.hpp"
 #include "bouncelab/core/error.hpp"
+#include "bouncelab/fit/histogram_fit.hpp"
 #include "bouncelab/fit/restitution.hpp"
 
 namespace bouncelab::report {

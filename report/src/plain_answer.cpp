@@ -101,20 +101,6 @@ bool is_seen(const Estimate& change) {
   return change.ci95 && (change.ci95->lo > kRounding || change.ci95->hi < -kRounding);
 }
 
-/// What most of the uncertainty is, and what would shrink it; empty where it is the ball's own scatter.
-std::string largest_part(const Curve& curve, const std::optional<Ball>& ball, const std::optional<Material>& plate) {
-  constexpr double kMost = 0.5;
-  const double drag = curve.share_of_drag, contact = curve.share_of_contact;
-  if (std::max(drag, contact) < kMost) return "";
-  return std::string("Most of the uncertainty is ") +
-         (drag > contact ? "how strongly the air slows the ball" : "how long the ball touches the floor") +
-         (!ball            ? ": name the ball to narrow it (--ball)."
-          : drag > contact ? ": bounces from less high narrow it."
-          : !plate && contact_duration(*ball, kGlass).has_value() && !contact_duration(*ball, plate)
-              ? ": name the floor to narrow it (--plate)."
-              : ": bounces from higher narrow it.");
-}
-
 /// Does the curve say otherwise than the name of the ball? Beyond three standard deviations, one answer in 300.
 std::string contradicted(const Curve& curve) {
   constexpr double kBeyond = 3.0;
@@ -153,7 +139,7 @@ std::vector<RecordingAnswer> answers_by_recording(const FitResult& result, const
   std::vector<RecordingAnswer> answers;
   for (const RecordingFit& row : result.recordings.rows) {
     RecordingAnswer answer{
-        row.recording, {}, row.nodes.empty() ? row.message : "", drops_seen(of[row.recording], heights_of(result))};
+        row.recording, {}, row.nodes.empty() && row.why ? in_words(*row.why) : "", drops_seen(of[row.recording], heights_of(result))};
     const NodeEstimate* nearest = nullptr;
     for (const NodeEstimate& node : row.nodes)
       if (!nearest || std::abs(node.v_mps - *v_mps) < std::abs(nearest->v_mps - *v_mps)) nearest = &node;
@@ -282,7 +268,7 @@ std::string of_missing(const FitResult& result, const RestitutionSamples& sample
   for (const RestitutionSample& s : samples)
     if (s.flags.empty() && std::isfinite(s.eps) && s.v_mps > 0.0) eps.push_back(s.eps);
   if (eps.empty()) return "ε is not known: no three impacts in a row from which it could be had.";
-  return "ε cannot be stated: " + result.law.message + ".";
+  return "ε cannot be stated: " + (result.law.why ? in_words(*result.law.why) : "no law was fitted") + ".";
 }
 
 }  // namespace
@@ -300,14 +286,6 @@ const char* measured_in_words(const SampleConditions& conditions) {
 std::string interval_in_words(const Estimate& e) {
   const int decimals = decimals_for(e);
   return rounded(e.ci95->lo, decimals) + " to " + rounded(e.ci95->hi, decimals);
-}
-
-std::string in_words(const KindsOfDrops& kinds) {
-  const int decimals = std::clamp(1 - static_cast<int>(std::floor(log10(kinds.eps_upper - kinds.eps_lower))), 2, 8);
-  return formatted(
-      "The drops are of two kinds: ε is about %.*f in %zu of them and about %.*f in %zu. Two balls, or two "
-      "floors?",
-      decimals, kinds.eps_lower, kinds.n_lower, decimals, kinds.eps_upper, kinds.n_upper);
 }
 
 std::string in_words(const RecordingAnswer& recording) {
@@ -337,8 +315,6 @@ PlainAnswer plain_answer(const FitResult& result, const RestitutionSamples& samp
       }
     answer.sentences.push_back(
         of_value(answer, curve, samples.empty() ? SampleConditions{} : samples.front().conditions));
-    if (!samples.empty())
-      answer.doubt = largest_part(curve, samples.front().conditions.ball, samples.front().conditions.plate);
     if (curve.step) answer.sentences.push_back(of_step(*curve.step, decimals_for(answer.at->eps)));
     if (answer.at->eps.value > 0.0 && answer.at->eps.value < 1.0)
       answer.sentences.push_back(percent_lost(*answer.at) +
@@ -349,7 +325,7 @@ PlainAnswer plain_answer(const FitResult& result, const RestitutionSamples& samp
     answer.sentences.push_back(
         !is_fitted ? of_missing(result, samples)
         : result.kinds_of_drops && !disagree(result.recordings)
-            ? in_words(*result.kinds_of_drops) +
+            ? as_sentence(note_of(*result.kinds_of_drops)) +
                   " Take them apart: one value for all would belong to no ball (--pool makes one)."
             : of_range(answer, disagree(result.recordings)));
   }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bouncelab/fit/recordings.hpp"
-#include "bouncelab/report/answer.hpp"
+#include "words.hpp"
 
 #include <algorithm>
 #include <map>
@@ -56,18 +56,23 @@ std::string extremes(const std::vector<RecordingFit>& rows) {
 
 }  // namespace
 
+std::optional<Note> note_of_difference(const Recordings& recordings) {
+  if (!disagree(recordings)) return std::nullopt;
+  const RecordingsTest& test = *recordings.test;
+  return Note{NoteKind::recordings_differ,
+              {static_cast<double>(test.n_recordings), test.p_value},
+              extremes(recordings.rows)};
+}
+
 std::string in_words(const Recordings& recordings) {
   if (recordings.rows.empty()) return {};
+  if (const auto differ = note_of_difference(recordings)) return in_words(*differ);
   if (!recordings.test)
     return formatted("the %zu recordings cannot be compared: too few samples of each", recordings.rows.size());
   const RecordingsTest& test = *recordings.test;
-  const std::string p = test.p_value < 1e-300 ? "p < 1e-300" : formatted("p = %.2g", test.p_value);
-  const std::string by = test.within == WithinUnit::drops ? " by the differences between drops"
-                                                          : " if all impacts are independent: too few drops to see";
-  const std::string head = formatted("the %zu recordings ", test.n_recordings);
-  if (!disagree(recordings)) return head + "agree (" + p + by + ")";
-  return head + "do not agree (" + p + by + "): " + extremes(recordings.rows) +
-         "; the pooled values are a mean of unlike balls and their errors do not hold: use the row of each recording";
+  return formatted("the %zu recordings agree (p = %.2g", test.n_recordings, test.p_value) +
+         (test.within == WithinUnit::drops ? " by the differences between drops)"
+                                           : " if all impacts are independent: too few drops to see)");
 }
 
 }  // namespace bouncelab::report

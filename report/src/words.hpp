@@ -1,23 +1,24 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "bouncelab/report/answer.hpp"
+#include "bouncelab/report/notes.hpp"
 
 namespace bouncelab::report {
 
-inline constexpr std::size_t kMostWarnings = 3;
-/// Warnings and details.
-void warn(const fit::FitResult& result, const RestitutionSamples& samples, FitInWords& words);
 /// "0.947 to 0.951": the 95 % interval, which must be there.
 std::string interval_in_words(const fit::Estimate& e);
 /// What was measured: "times", "heights" or "speeds".
 const char* measured_in_words(const SampleConditions& conditions);
 PlainAnswer plain_answer(const fit::FitResult& result, const RestitutionSamples& samples);
 /// Two balls, or two floors, which nothing but the drops tells apart.
-std::string in_words(const fit::KindsOfDrops& kinds);
+Note note_of(const fit::KindsOfDrops& kinds);
+/// Absent where they agree, or cannot be compared.
+std::optional<Note> note_of_difference(const fit::Recordings& recordings);
 /// Speed, air and roughness, the largest that is seen first; none without an answer.
 std::vector<Cause> causes_of(const fit::FitResult& result, const PlainAnswer& answer,
                              const RestitutionSamples& samples);

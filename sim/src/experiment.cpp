@@ -44,17 +44,15 @@ void append(Impacts& all, const Impacts& some) {
   all.states.insert(all.states.end(), some.states.begin(), some.states.end());
 }
 
-std::vector<std::string> warnings_about(const SimulationResult& result) {
-  std::vector<std::string> warnings;
-  const auto n_left = result.n_ended[static_cast<std::size_t>(DropEnd::left_plate)];
-  if (n_left > 0) warnings.push_back(std::to_string(n_left) + " drops ended early: the ball left the plate");
-  if (result.energy.n_creating > 0) {
-    std::ostringstream out;
-    out << result.energy.n_creating << " of " << result.n_impacts << " impacts created energy, "
-        << result.energy.created_j / result.energy.released_j << " of what was released (the contact model allows it)";
-    warnings.push_back(out.str());
-  }
-  return warnings;
+std::vector<Note> notes_on(const SimulationResult& result) {
+  std::vector<Note> notes;
+  if (const auto n_left = result.n_ended[static_cast<std::size_t>(DropEnd::left_plate)]; n_left > 0)
+    notes.push_back({NoteKind::drops_left_plate, {static_cast<double>(n_left)}});
+  if (result.energy.n_creating > 0)
+    notes.push_back({NoteKind::impacts_with_gain,
+                     {static_cast<double>(result.energy.n_creating), static_cast<double>(result.n_impacts),
+                      result.energy.created_j / result.energy.released_j}});
+  return notes;
 }
 
 }  // namespace
@@ -137,7 +135,7 @@ SimulationResult SimulationCounts::result() const {
     result.n_impacts += drop.n_impacts;
     result.n_smooth += drop.n_smooth;
   }
-  result.warnings = warnings_about(result);
+  result.notes = notes_on(result);
   return result;
 }
 

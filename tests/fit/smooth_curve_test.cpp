@@ -97,7 +97,7 @@ TEST(SmoothCurve, StatesTheRootMeanSquareAndTheMean) {
 
 TEST(SmoothCurve, BetweenPointsAndNodesIsOneCurve) {
   const Curve curve = smooth(drops_by([](int, double v) { return 0.8 - 0.03 * std::log(v); }, 5, 12, 0.003, 5)).curve();
-  ASSERT_EQ(curve.points.size(), 15u);
+  ASSERT_EQ(curve.points.size(), 13u);
   ASSERT_EQ(curve.end_changes.size(), 2u);
   const double middle = curve.nodes.at(1).eps.value;
   EXPECT_NEAR(curve.end_changes[0].value, curve.points.front().y - middle, 1e-4);  // medians of sums

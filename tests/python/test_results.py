@@ -110,7 +110,8 @@ class FitResults(Case):
 
     def test_constants_of_a_law_that_does_not_hold_are_not_stated(self):
         results = json.loads(self.fit._text)
-        results["constants"] = {"status": "not_applicable", "message": "off", "with_memory": False, "parameters": [],
+        results["notes"] = [{"kind": "law_contradicted", "severity": "detail", "text": "off"}]
+        results["constants"] = {"status": "not_applicable", "with_memory": False, "parameters": [],
                                 "covariance": [], "gamma": None}
         fit = bl.Fit(json.dumps(results))
         self.assertEqual(fit.parameters, {})

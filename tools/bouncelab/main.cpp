@@ -17,6 +17,7 @@
 #include <string_view>
 #include <vector>
 
+#include "bouncelab/report/notes.hpp"
 #include "bouncelab/core/core.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/files.hpp"
@@ -142,10 +143,21 @@ std::string harmless(std::string_view text) {
   return safe;
 }
 
+/// Of very many the first.
+std::vector<std::string> warnings_of(const std::vector<Note>& notes) {
+  constexpr std::size_t kMostLines = 20;
+  std::vector<std::string> lines = report::texts_of(notes, Severity::warning);
+  if (lines.size() <= kMostLines) return lines;
+  const std::size_t n_more = lines.size() - kMostLines;
+  lines.resize(kMostLines);
+  lines.push_back("... and " + std::to_string(n_more) + " more; with --json all of them are listed");
+  return lines;
+}
+
 /// @param standard_output_is_taken  by a table, which a summary must not be mixed with
 int report(const Outcome& outcome, const CommonOptions& common, bool standard_output_is_taken) {
   if (!common.quiet)
-    for (const std::string& warning : outcome.warnings) say("warning: " + warning);
+    for (const std::string& warning : warnings_of(outcome.notes)) say("warning: " + warning);
   if (!outcome.error.empty()) say("bouncelab: " + outcome.error);
   if (common.json) {
     Object result = outcome.result;

@@ -15,7 +15,7 @@
 #include "bouncelab/core/table.hpp"
 #include "bouncelab/core/text.hpp"
 #include "bouncelab/fit/restitution.hpp"
-#include "bouncelab/report/detection.hpp"
+#include "bouncelab/report/notes.hpp"
 #include "stages/files/foreign_files.hpp"
 #include "stages/files/provenance.hpp"
 #include "stages/files/sample_files.hpp"
@@ -28,27 +28,28 @@ namespace {
 constexpr std::size_t kMostLines =
     20;  // for people: of thousands of recordings those in which nothing was found, and a sum
 
-/// At most kMostLines of the lines and how many more there are.
-std::vector<std::string> first_of(std::vector<std::string> lines, const char* where_all_are) {
-  if (lines.size() <= kMostLines) return lines;
-  const std::size_t n_more = lines.size() - kMostLines;
-  lines.resize(kMostLines);
-  lines.push_back(fmt::format("... and {} more; {}", n_more, where_all_are));
-  return lines;
-}
-
 /// A recording's name for people.
 std::string name_of(const std::filesystem::path& recording) { return printable(input_name(recording)); }
 
+/// What was found in a recording, or why nothing was.
+std::string found_in(const detection::RecordingDetection& r) {
+  if (r.found.status != detection::DetectionStatus::ok) return report::in_words(r.found.notes.front());
+  return fmt::format("{} impacts in {} drop{}", r.n_onsets, r.found.summary.n_drops,
+                     r.found.summary.n_drops == 1 ? "" : "s");
+}
+
 /// One line a recording, for people.
 std::string describe(const detection::RecordingDetection& r) {
-  std::string line = fmt::format("{}: {}", name_of(r.recording), r.found.message);
+  std::string line = fmt::format("{}: {}", name_of(r.recording), found_in(r));
   if (r.found.summary.restitution_median)
     line += fmt::format(", ε = {:.4f} in the median", *r.found.summary.restitution_median);
   if (r.found.summary.n_channels > 1)
     line += fmt::format("; channel {} ({})", r.found.summary.channel, r.found.summary.channel_reason);
   return line;
 }
+
+/// Of one that cannot be read.
+const std::string& why(const detection::RecordingDetection& r) { return r.found.notes.front().subject; }
 
 bool is_unreadable(const detection::RecordingDetection& r) {
   return r.found.status == detection::DetectionStatus::unreadable;
@@ -66,7 +67,9 @@ std::string describe_all(const Recordings& recordings) {
     if (!is_unreadable(r) && !(many && r.found.status == detection::DetectionStatus::ok)) lines.push_back(describe(r));
   }
   std::string text;
-  for (const std::string& line : first_of(std::move(lines), "with --json all of them are listed")) text += line + "\n";
+  for (std::size_t k = 0; k < std::min(lines.size(), kMostLines); ++k) text += lines[k] + "\n";
+  if (lines.size() > kMostLines)
+    text += fmt::format("... and {} more; with --json all of them are listed\n", lines.size() - kMostLines);
   if (many) text += fmt::format("{} impacts in {} drops in {} recordings\n", n_onsets, n_drops, recordings.size());
   return text;
 }
@@ -79,8 +82,7 @@ void conclude(const Recordings& recordings, bool found_any, Outcome& outcome) {
   if (n_unreadable > 0) {
     const detection::RecordingDetection& first = *std::find_if(recordings.begin(), recordings.end(), is_unreadable);
     outcome.exit_code = kFileError;
-    outcome.error = n_unreadable == 1 ? first.found.message
-                                      : fmt::format("{} (and {} more)", first.found.message, n_unreadable - 1);
+    outcome.error = n_unreadable == 1 ? why(first) : fmt::format("{} (and {} more)", why(first), n_unreadable - 1);
   }
   if (!found_any) {
     const auto readable = std::find_if_not(recordings.begin(), recordings.end(), is_unreadable);
@@ -89,7 +91,7 @@ void conclude(const Recordings& recordings, bool found_any, Outcome& outcome) {
       outcome.error = fmt::format(
           "{}: {}{}; no onsets were written. Listen to it: is this the recording, and the channel? Times "
           "that you mark by hand are analyzed too: bouncelab times.csv",
-          name_of(readable->recording), readable->found.message, others);
+          name_of(readable->recording), found_in(*readable), others);
     }
     outcome.text.clear();
   } else if (n_unreadable > 0) {
@@ -156,18 +158,24 @@ std::vector<std::filesystem::path> readable_of(const Recordings& recordings) {
   return files;
 }
 
-Object summary_of(const Recordings& recordings, const std::vector<std::string>& warnings) {
+Object summary_of(const Recordings& recordings, const std::vector<Note>& notes) {
   std::size_t n_onsets = 0;
-  for (const detection::RecordingDetection& r : recordings) n_onsets += r.n_onsets;
-  return {{"n_onsets", value_of(n_onsets)}, {"recordings", value_of(recordings)}, {"warnings", warnings}};
+  Values rows;
+  for (const detection::RecordingDetection& r : recordings) {
+    n_onsets += r.n_onsets;
+    Object row = object_of(r);
+    row.emplace_back("message", found_in(r));
+    rows.push_back(std::move(row));
+  }
+  return {{"n_onsets", value_of(n_onsets)}, {"recordings", std::move(rows)}, {"notes", report::values_of(notes)}};
 }
 
-Outcome detection_outcome(const Recordings& recordings, std::vector<std::string> warnings) {
+Outcome detection_outcome(const Recordings& recordings, std::vector<Note> notes) {
   Outcome outcome;
-  warnings = joined(std::move(warnings), report::warnings_of_drops(recordings));
+  outcome.notes = joined(std::move(notes), report::notes_of(recordings, true));
+  report::order(outcome.notes);
   outcome.text = describe_all(recordings);
-  outcome.result = summary_of(recordings, warnings);
-  outcome.warnings = first_of(joined(warnings, report::warnings_of(recordings)), "with --json all of them are listed");
+  outcome.result = summary_of(recordings, outcome.notes);
   conclude(recordings, first_found(recordings) != nullptr, outcome);
   return outcome;
 }
@@ -179,8 +187,8 @@ Outcome run_detect(const DetectOptions& options, const Run& run) {
   std::vector<std::filesystem::path> outputs{options.out, options.labels};
   if (!options.labels.empty()) outputs.push_back(onsets_beside(options.labels));
   check_files(run, given, outputs);
-  std::vector<std::string> warnings;
-  const std::vector<std::filesystem::path> files = each_once(given, run.common.n_threads, "recording", warnings);
+  std::vector<Note> notes;
+  const std::vector<std::filesystem::path> files = each_once(given, run.common.n_threads, "recording", notes);
   TableWriter table(run, options.out);
   const Recordings recordings = detect_all(options, files, table, run);
   if (first_found(recordings)) {
@@ -188,7 +196,7 @@ Outcome run_detect(const DetectOptions& options, const Run& run) {
     if (!options.labels.empty())
       write_label_track(run, options.labels, recordings.front().found.onsets, readable_of(recordings));
   }
-  return detection_outcome(recordings, std::move(warnings));
+  return detection_outcome(recordings, std::move(notes));
 }
 
 }  // namespace bouncelab::stages

@@ -29,9 +29,9 @@ std::vector<std::filesystem::path> recordings_of(const DetectOptions& options);
 
 std::vector<std::filesystem::path> readable_of(const Recordings& recordings);
 /// What --json prints. @param warnings  that are not of one recording alone
-Object summary_of(const Recordings& recordings, const std::vector<std::string>& warnings);
+Object summary_of(const Recordings& recordings, const std::vector<Note>& notes);
 /// Text, warnings and what went wrong. @param warnings  of the files
-Outcome detection_outcome(const Recordings& recordings, std::vector<std::string> warnings);
+Outcome detection_outcome(const Recordings& recordings, std::vector<Note> notes);
 
 /// Writes options.out and, where named, options.labels; neither where no impact was found. A recording with the same
 /// content as one before it counts once, and a warning names both.

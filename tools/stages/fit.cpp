@@ -14,7 +14,7 @@
 #include "bouncelab/core/numerics.hpp"
 #include "bouncelab/core/parallel.hpp"
 #include "bouncelab/core/text.hpp"
-#include "bouncelab/report/detection.hpp"
+#include "bouncelab/report/notes.hpp"
 #include "stages/files/foreign_files.hpp"
 #include "stages/files/provenance.hpp"
 #include "stages/files/sample_files.hpp"
@@ -44,7 +44,7 @@ std::string describe(const fit::RestitutionCounts& counts) {
 fit::RestitutionCounts restitution_of_files(const std::vector<std::filesystem::path>& files,
                                             const fit::RestitutionConfig& config, const ForeignFileOptions& foreign,
                                             TableWriter& samples, std::vector<std::string>& taken_for,
-                                            std::vector<std::string>& warnings) {
+                                            std::vector<Note>& notes) {
   fit::RestitutionInPieces restitution(config);
   std::vector<double> eps;  // 8 bytes each, for the median
   const auto write = [&](const RestitutionSamples& rows) {
@@ -69,7 +69,7 @@ fit::RestitutionCounts restitution_of_files(const std::vector<std::filesystem::p
         for (Onset& onset : rows) onset.recording = names.name(onset.recording);
       write(restitution.add(std::move(rows)));
     }
-    names.end(warnings);
+    names.end(notes);
   }
   write(restitution.finish());
   fit::RestitutionCounts counts = restitution.counts();
@@ -111,15 +111,15 @@ Stage<fit::RestitutionCounts> run_restitution(const RestitutionOptions& options,
   Stage<fit::RestitutionCounts> stage;
   Outcome& outcome = stage.outcome;
   inputs.pop_back();
-  inputs = each_once(inputs, run.common.n_threads, "onsets", outcome.warnings);
+  inputs = each_once(inputs, run.common.n_threads, "onsets", outcome.notes);
   TableWriter samples(run, options.out);
   std::vector<std::string> taken_for;
   const fit::RestitutionCounts& counts = stage.result =
-      restitution_of_files(inputs, config, options.foreign, samples, taken_for, outcome.warnings);
+      restitution_of_files(inputs, config, options.foreign, samples, taken_for, outcome.notes);
   inputs = with_onsets_beside(std::move(inputs));
   if (!options.positions.empty()) inputs.emplace_back(options.positions);
   outcome.text = lines_of(taken_for) + text_of(counts, config);
-  outcome.warnings = joined(outcome.warnings, report::warnings_of(counts, config));
+  outcome.notes = joined(outcome.notes, report::notes_of(counts, config));
   outcome.result = summary_of(counts, config);
   samples.finish(inputs);
   if (counts.n_samples == 0) {
@@ -145,7 +145,7 @@ std::string describe(const fit::RecordingFit& row) {
       fmt::format("  {}: {} samples", row.recording.empty() ? "(no name)" : printable(row.recording), row.n);
   for (const fit::NodeEstimate& node : row.nodes)
     text += fmt::format(", ε({:.3g} m/s) = {}", node.v_mps, with_error(node.eps));
-  if (row.nodes.empty()) text += "; " + row.message;
+  if (row.nodes.empty() && row.why) text += "; " + report::in_words(*row.why);
   return text + "\n";
 }
 
@@ -200,13 +200,14 @@ std::string describe(const fit::HistogramFit& h) {
   if (h.slope_ratio && h.slope_ratio->ci95)
     ratio = fmt::format(", falling / rising {:.2f} (95 %: {:.3f} to {:.3f})", h.slope_ratio->value,
                         h.slope_ratio->ci95->lo, h.slope_ratio->ci95->hi);
-  return fmt::format("p(ε) at {:.2g} m/s: slopes {} rising, {} falling{}; {}\n", h.v_mps, with_error(*h.slope_rising),
-                     with_error(*h.slope_falling), ratio, h.verdict);
+  return fmt::format("p(ε) at {:.2g} m/s: slopes {} rising, {} falling{}\n", h.v_mps, with_error(*h.slope_rising),
+                     with_error(*h.slope_falling), ratio);
 }
 
 /// The result in a few lines, for people.
 std::string describe(const fit::FitResult& result) {
-  std::string text = fmt::format("{} samples used; fit {}\n", result.n_used, fit::to_string(result.constants.status));
+  std::string text = fmt::format("{} samples used; constants of the law: {}\n", result.n_used,
+                                 result.constants.why ? report::in_words(*result.constants.why) : "ok");
   text += describe_curve(result) + describe(result.memory);
   for (const fit::HistogramFit& h : result.histograms) text += describe(h);
   return text + describe(result.recordings, memory_holds(result));
@@ -232,41 +233,39 @@ fit::FitConfig fit_config(const FitOptions& options, const CommonOptions& common
 Outcome fit_outcome(const fit::FitResult& result, const report::FitInWords& words, const std::string& samples) {
   Outcome outcome;
   outcome.text = answer_text(words.answer) + "\n" + describe(result);
-  outcome.warnings = words.warnings;
-  const std::string& message = result.constants.message;
-  std::erase(outcome.warnings, message);
-  if (result.curve) {
-    if (!message.empty()) outcome.warnings.push_back(message);
-    return outcome;
-  }
+  outcome.notes = words.notes;
+  if (result.curve) return outcome;
   outcome.exit_code = kNotUsable;
-  outcome.error = samples + ": " + message;
+  outcome.error = samples + ": " + (result.constants.why ? report::in_words(*result.constants.why) : "no usable samples");
   return outcome;
 }
 
 /// Samples that were computed for another ball than the one that they are now said to be of.
-void warn_of_other_ball(const RestitutionSamples& samples, const BallChoice& world,
-                        std::vector<std::string>& warnings) {
+void note_other_ball(const RestitutionSamples& samples, const BallChoice& world, std::vector<Note>& notes) {
   const std::optional<Ball> ball = ball_of(world);
   const auto other = std::find_if(samples.begin(), samples.end(), [&](const RestitutionSample& s) {
     return ball && s.conditions.ball && *s.conditions.ball != *ball;
   });
   if (other != samples.end())
-    warnings.push_back("the samples say that they are of " + to_text(*other->conditions.ball) +
-                       ", --ball that they are of " + to_text(*ball) +
-                       ": what was taken out of them for the one is not put back for the other");
+    notes.push_back({NoteKind::other_ball,
+                     {},
+                     "the samples are of " + to_text(*other->conditions.ball) + ", --ball is " + to_text(*ball)});
 }
 
 Stage<fit::FitResult> run_fit(const FitOptions& options, const Run& run) {
   check_files(run, {options.samples.begin(), options.samples.end()}, {options.out, options.table, options.histograms});
   const std::vector<std::filesystem::path> files(options.samples.begin(), options.samples.end());
-  std::vector<std::string> warnings, taken_for;
-  RestitutionSamples samples = read_sample_files(files, run.common.n_threads, options.columns, taken_for, warnings);
-  warn_of_other_ball(samples, options.world, warnings);
+  std::vector<std::string> taken_for;
+  std::vector<Note> notes;
+  RestitutionSamples samples = read_sample_files(files, run.common.n_threads, options.columns, taken_for, notes);
+  note_other_ball(samples, options.world, notes);
   name_ball(samples, ball_of(options.world), plate_of(options.world));
   const fit::FitConfig config = fit_config(options, run.common);
   fit::FitResult result = fit::fit_all(samples, config, progress_line(run, "fit", "fits"));
-  const report::FitInWords words = report::in_words(result, samples, config.memory);
+  report::FitInWords words = report::in_words(result, samples, config.memory);
+  words.notes = joined(notes, words.notes);
+  report::order(words.notes);
+  take(words.notes, words);
   const Object all = report::object_of(result, words);
   write_text(run, options.out, json_text(all, 1) + "\n", files);
   if (!options.table.empty() && result.curve && result.is_one_ball && !result.curve->points.empty())
@@ -278,7 +277,6 @@ Stage<fit::FitResult> run_fit(const FitOptions& options, const Run& run) {
     outcome.text +=
         "in LIGGGHTS, LAMMPS, Yade, MercuryDPM, C++, Python: bouncelab dem " + options.out + " --code lammps\n";
   outcome.result = all;
-  outcome.warnings = joined(warnings, outcome.warnings);
   return {std::move(outcome), std::move(result)};
 }
 
@@ -312,24 +310,23 @@ Outcome run_roughness(const RoughnessOptions& options, const Run& run) {
   check_files(run, files, {options.out});
   Outcome outcome;
   std::vector<std::string> taken_for;
-  RestitutionSamples samples = read_sample_files(files, run.common.n_threads, {}, taken_for, outcome.warnings);
+  RestitutionSamples samples = read_sample_files(files, run.common.n_threads, {}, taken_for, outcome.notes);
   name_ball(samples, ball_of(options.world), plate_of(options.world));
   fit::RoughnessConfig config = options.config;
   config.seed = run.common.seed;
   config.n_threads = run.common.n_threads;
   const fit::RoughnessResult result = fit::measure_roughness(samples, config);
-  const std::vector<std::string> warnings = report::warnings_of(result, samples);
-  outcome.result = report::object_of(result, warnings);
+  outcome.notes = joined(outcome.notes, report::notes_of(result, samples));
+  outcome.result = report::object_of(result, outcome.notes);
   if (!options.out.empty()) write_text(run, options.out, json_text(outcome.result, 1) + "\n", files);
   outcome.text = describe(result);
-  outcome.warnings = joined(outcome.warnings, warnings);
   if (!result.memory.holds) {
     outcome.exit_code = kNotUsable;
     outcome.error =
         input_name(files.front()) + more_files(files.size()) + ": " +
         (result.memory.status == fit::FitStatus::ok ? "not the scatter of a rough ball, so that q means nothing: "
                                                     : "roughness cannot be known: ") +
-        result.memory.message;
+        report::objections_in_words(result.memory);
   }
   return outcome;
 }

@@ -67,7 +67,7 @@ Stage<fit::FitResult> times_to_constants(const loop::LoopConfig& config, const R
   fit.out = fit_json;
   fit.histograms = histograms;
   Stage<fit::FitResult> fitted = run_fit(fit, run);
-  fitted.outcome.warnings = joined(intervals.outcome.warnings, fitted.outcome.warnings);
+  fitted.outcome.notes = joined(intervals.outcome.notes, fitted.outcome.notes);
   return fitted;
 }
 
@@ -145,13 +145,13 @@ Outcome run_through_files(const LoopOptions& options, const Run& run) {
                               from_sound.result, config.simulation.gravity_mps2);
   });
   const Object summary =
-      loop_summary(score, clock.seconds(), fitted.warnings, theory, reservoir,
+      loop_summary(score, clock.seconds(), fitted.notes, theory, reservoir,
                    section_of(config.simulation.ball, surface_of(options.simulate, config.simulation)));
   write_text(run, files.summary, json_text(summary, 2) + "\n",
              {files.impacts, files.truth, files.onsets, files.fit, files.fit_true});
   const Outcome shown = run_report({folder, files.report, "The closed loop: what went in and what came out"}, run);
   return {fitted.exit_code, summary,
-          ball_line(options.world) + loop_text(score, reservoir, clock.seconds()) + shown.text, fitted.warnings,
+          ball_line(options.world) + loop_text(score, reservoir, clock.seconds()) + shown.text, fitted.notes,
           fitted.error};
 }
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "bouncelab/report/notes.hpp"
 #include "bouncelab/core/elementary.hpp"
 
 namespace bouncelab::stages {
@@ -92,7 +93,7 @@ Object spread_of(const fit::FitResult& fit) {
 }  // namespace
 
 Object loop_summary(const loop::LoopScore& score, const SecondsByStage& seconds,
-                    const std::vector<std::string>& warnings, const std::optional<loop::ScatterTheory>& theory,
+                    const std::vector<Note>& notes, const std::optional<loop::ScatterTheory>& theory,
                     const std::optional<loop::ReservoirCheck>& reservoir, const sim::BallSection& ball,
                     const std::optional<LoopWork>& work) {
   Object summary = object_of(score);
@@ -100,7 +101,7 @@ Object loop_summary(const loop::LoopScore& score, const SecondsByStage& seconds,
   if (reservoir) summary.emplace_back("reservoir", value_of(*reservoir));
   if (ball.n_asperities > 0) summary.emplace_back("ball", value_of(ball));
   summary.emplace_back("seconds", value_of(work ? work->wall_s : seconds));
-  summary.emplace_back("warnings", warnings);
+  summary.emplace_back("notes", report::values_of(notes));
   if (work) {
     summary.emplace_back("sound_s", work->sound_s);
     summary.emplace_back("processor_seconds", value_of(work->processor_s));

@@ -112,7 +112,7 @@ Outcome run_paper_loop(const LoopOptions& options, const Run& run) {
     write_fits(result, words, folder, run);
     write_text(run, folder / "paper.json", json_text(paper_results(result, slopes, conclusions), 1) + "\n",
                {folder / "fit.json"});
-    write_summary(loop_summary(score, {}, words.warnings, result.theory, result.reservoir, ball));
+    write_summary(loop_summary(score, {}, words.notes, result.theory, result.reservoir, ball));
   });
   const Outcome shown = clock.time("report", [&] {
     return run_report({folder, folder / "report.html", "The paper's experiment, through sound and back"}, run);
@@ -120,14 +120,14 @@ Outcome run_paper_loop(const LoopOptions& options, const Run& run) {
   // times and memory differ from run to run: they go into the summary alone, when everything else is written
   const LoopWork work = work_of(result, clock);
   Outcome outcome;
-  outcome.result = loop_summary(score, {}, words.warnings, result.theory, result.reservoir, ball, work);
+  outcome.result = loop_summary(score, {}, words.notes, result.theory, result.reservoir, ball, work);
   write_summary(outcome.result);
-  outcome.warnings = words.warnings;
+  outcome.notes = words.notes;
   outcome.text = ball_line(options.world) + loop_text(score, result.reservoir, work.wall_s) +
                  paper_text(slopes, conclusions) + work_text(work, score.onsets.n_true) + shown.text;
   if (!result.sound.law.law) {
     outcome.exit_code = kNotUsable;
-    outcome.error = "the detected times give no law: " + result.sound.law.message;
+    outcome.error = "the detected times give no law" + (result.sound.law.why ? ": " + report::in_words(*result.sound.law.why) : std::string());
   }
   return outcome;
 }

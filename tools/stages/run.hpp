@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "bouncelab/core/note.hpp"
 #include "bouncelab/core/description.hpp"
 #include "bouncelab/loop/sweep.hpp"
 #include "stage_options/section.hpp"
@@ -67,7 +68,7 @@ struct Outcome {
   int exit_code = kDone;
   Object result;                      ///< printed with --json
   std::string text;                   ///< printed on standard output otherwise
-  std::vector<std::string> warnings;  ///< one line each, on standard error
+  std::vector<Note> notes;           ///< their warnings are lines on standard error
   std::string error;                  ///< why the result is not usable: one line on standard error, even with --quiet
 };
 
@@ -78,11 +79,9 @@ inline std::string lines_of(const std::vector<std::string>& lines) {
   return text;
 }
 
-/// Both lists, without the lines of the second that are in the first already.
-inline std::vector<std::string> joined(std::vector<std::string> lines, const std::vector<std::string>& more) {
-  for (const std::string& line : more)
-    if (std::find(lines.begin(), lines.end(), line) == lines.end()) lines.push_back(line);
-  return lines;
+inline std::vector<Note> joined(std::vector<Note> notes, const std::vector<Note>& more) {
+  notes.insert(notes.end(), more.begin(), more.end());
+  return notes;
 }
 
 /// The result of a command that is a stage of `analyze` or `loop`, with the values that later stages need.

@@ -101,7 +101,7 @@ Outcome run_simulate(const SimulateOptions& options, const Run& run, std::vector
   if (result.n_impacts == 0) outcome.error = "no drop had an impact; see --plate-size, --min-speed and --max-time";
   outcome.result = summary_of(result, config.ball);
   outcome.text = text_of(options, config, result);
-  outcome.warnings = result.warnings;
+  outcome.notes = result.notes;
   return outcome;
 }
 

@@ -294,7 +294,7 @@ Outcome run_synthesize(const SynthesizeOptions& options, const Run& run) {
   files.finish();
 
   Outcome outcome;
-  outcome.warnings = result.warnings;
+  outcome.notes = result.notes;
   outcome.result = object_of(result);
   outcome.result.emplace_back("ball", value_of(config.ball));
   outcome.result.emplace_back("plate", value_of(contact_material(config.ground)));

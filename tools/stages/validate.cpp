@@ -10,6 +10,7 @@
 #include <set>
 #include <utility>
 
+#include "bouncelab/report/notes.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/text.hpp"
 #include "bouncelab/detection/wave_preview.hpp"
@@ -205,7 +206,7 @@ Outcome run_marks(const ValidateOptions& options) {
   Outcome outcome;
   outcome.result = object_of(score);
   outcome.text = heading("") + line_of(fs::path(options.marks).filename().string(), score);
-  outcome.warnings = says;
+  for (const std::string& one : says) outcome.notes.push_back({NoteKind::of_file, {}, one});
   return outcome;
 }
 
@@ -351,7 +352,10 @@ Outcome run_validate(const ValidateOptions& options, const Run& run) {
   page.validation_json = json_text(Object{{"detectors", std::move(shown)}});
   write_text(run, folder / "report.html", report::render(page), inputs);
   outcome.text = text_of(cases, run.sweep, results) + "Report: " + (folder / "report.html").string() + "\n";
-  outcome.warnings = joined(std::move(says), failures_of(cases, results));
+  for (const std::string& one : says) outcome.notes.push_back({NoteKind::of_file, {}, one});
+  for (const std::string& one : failures_of(cases, results))
+    outcome.notes.push_back({NoteKind::detector_failed, {}, one});
+  report::order(outcome.notes);
   if (std::all_of(results.begin(), results.end(),
                   [&](const auto& result) { return n_failed(result) == cases.size(); })) {
     outcome.exit_code = kNotUsable;

@@ -75,48 +75,23 @@ std::vector<DropSummary> summarize_drops(const Onsets& onsets, const std::vector
   return drops;
 }
 
-/// "5 sounds that rise like impacts, 0.6, 0.15, 0.038 and 0.009 s apart": so that whoever listens knows what was seen.
-std::string in_words(const std::vector<Candidate>& candidates) {
-  const std::size_t n = candidates.size();
-  std::string text =
-      std::to_string(n) + (n == 1 ? " sound that rises like an impact" : " sounds that rise like impacts");
-  std::vector<double> apart_s;
-  for (std::size_t k = 1; k < n; ++k) apart_s.push_back(candidates[k].t_s - candidates[k - 1].t_s);
-  constexpr std::size_t kMostListed = 7;
-  if (apart_s.size() > kMostListed) return text + formatted(", %.2g s apart in the median", median(std::move(apart_s)));
-  for (std::size_t k = 0; k < apart_s.size(); ++k)
-    text += formatted(k == 0 ? ", %.2g" : k + 1 == apart_s.size() ? " and %.2g" : ", %.2g", apart_s[k]);
-  return apart_s.empty() ? text : text + " s apart";
-}
-
+/// What was heard where no drop was found.
 /// @param n_short  drops that were left out
-void set_status(std::size_t n_short, std::int64_t min_impacts, const std::vector<Candidate>& candidates, Detection& d) {
-  if (!d.onsets.empty()) {
-    d.status = DetectionStatus::ok;
-    d.message = std::to_string(d.onsets.size()) + " impacts in " + std::to_string(d.summary.n_drops) +
-                (d.summary.n_drops == 1 ? " drop" : " drops");
-  } else if (n_short > 0) {
-    d.status = DetectionStatus::too_few_impacts;
-    d.message = in_words(candidates) + ", and " + std::to_string(n_short) + (n_short == 1 ? " drop" : " drops") +
-                " of fewer than " + std::to_string(min_impacts) + " impacts, left out (--min-impacts)";
-  } else if (d.summary.n_candidates > 0) {
-    d.status = DetectionStatus::too_few_impacts;
-    d.message = in_words(candidates) + ", which a bouncing ball is not likelier to have made than chance" +
-                formatted(" (an ε below %.2g is not looked for, and three impacts alone tell little)", kLeastEps);
-  } else {
-    d.status = DetectionStatus::silent;
-    d.message = "nothing rises above the noise";
-  }
+Note nothing_found(std::size_t n_short, std::int64_t min_impacts, std::size_t n_candidates) {
+  const auto n = static_cast<double>(n_candidates);
+  if (n_short > 0)
+    return {NoteKind::drops_too_short, {static_cast<double>(n_short), static_cast<double>(min_impacts)}};
+  if (n_candidates == 0) return {NoteKind::silence};
+  return {n_candidates < 3 ? NoteKind::no_three_bounces : NoteKind::sounds_not_of_ball, {n}};
 }
 
 std::int64_t count_flag(const Onsets& onsets, Flag flag) {
   return std::count_if(onsets.begin(), onsets.end(), [&](const Onset& onset) { return onset.flags.has(flag); });
 }
 
-/// Limits of the onsets' accuracy, one line each.
-std::vector<std::string> warnings_for(const Detection& d, const BandOfChannel& found, bool is_timed_in_full_band) {
-  std::vector<std::string> warnings;
-  if (d.onsets.empty()) return warnings;
+/// Limits of the onsets' accuracy.
+std::vector<Note> limits_of(const Detection& d, const BandOfChannel& found, bool is_timed_in_full_band) {
+  std::vector<Note> notes;
   const auto is_in_drop = [&](const audio::Silence& gap) {
     for (std::size_t k = 1; k < d.onsets.size(); ++k)
       if (d.onsets[k].drop == d.onsets[k - 1].drop && d.onsets[k - 1].t_s < gap.end_s && d.onsets[k].t_s > gap.begin_s)
@@ -124,22 +99,15 @@ std::vector<std::string> warnings_for(const Detection& d, const BandOfChannel& f
     return false;
   };
   if (const auto n = std::count_if(found.sound.silences.begin(), found.sound.silences.end(), is_in_drop); n > 0)
-    warnings.push_back(std::to_string(n) + (n == 1 ? " gap" : " gaps") +
-                       " of the time stamps between impacts of a drop: an impact there would be missing");
-  const std::string of_all = " of " + std::to_string(d.onsets.size()) + " impacts ";
-  if (const auto n = count_flag(d.onsets, Flag::clipped); n > 0)
-    warnings.push_back(std::to_string(n) + of_all + "are clipped: record with less gain");
+    notes.push_back({NoteKind::gaps_of_time, {static_cast<double>(n)}});
+  const auto n_all = static_cast<double>(d.onsets.size());
+  for (const auto& [flag, kind] :
+       {std::pair{Flag::clipped, NoteKind::clipped}, std::pair{Flag::improbable, NoteKind::improbable_impacts},
+        std::pair{Flag::doubtful, NoteKind::several_places}})
+    if (const auto n = count_flag(d.onsets, flag); n > 0) notes.push_back({kind, {static_cast<double>(n), n_all}});
   if (!is_timed_in_full_band)
-    warnings.push_back(std::string("the times were taken from the sound below ") +
-                       (found.sound.rate_hz < kBelow500_hz ? "500 Hz" : "2 kHz") +
-                       ", where the impacts stand out most: less exact than those of all frequencies");
-  if (const auto n = count_flag(d.onsets, Flag::improbable); n > 0)
-    warnings.push_back(std::to_string(n) + of_all +
-                       "are less likely than not the ball's (flag improbable): no ε is taken from them");
-  if (const auto n = count_flag(d.onsets, Flag::doubtful); n > 0)
-    warnings.push_back(std::to_string(n) + of_all +
-                       "have more than one place where they may have been (flag doubtful; sigma_t_s covers them)");
-  return warnings;
+    notes.push_back({NoteKind::low_band, {found.sound.rate_hz < kBelow500_hz ? 500.0 : 2000.0}});
+  return notes;
 }
 
 /// @param channels    sources that may be read by several threads where n_threads is not 1
@@ -212,16 +180,19 @@ Detection detect_in(const std::vector<audio::AudioSource>& channels, std::vector
     d.summary.contact_time_sigma_s = timed.contact_time_sigma_s;
   }
   if (band.models.noise.quiet_variance > 0.0) d.noise = noise_spectrum(band);
-  set_status(n_short, config.min_impacts, band.candidates, d);
-  d.warnings = warnings_for(d, band, timed.is_full_band);
+  if (d.onsets.empty()) {
+    d.status = band.candidates.empty() ? DetectionStatus::silent : DetectionStatus::too_few_impacts;
+    d.notes = {nothing_found(n_short, config.min_impacts, band.candidates.size())};
+  } else {
+    d.status = DetectionStatus::ok;
+    d.notes = limits_of(d, band, timed.is_full_band);
+  }
   const double moved_s = begin_s[best.channel];
   for (Onset& onset : d.onsets) onset.t_s += moved_s;
   for (DropSummary& drop : d.drops) drop.begin_s += moved_s;
   if (const auto& second = best.found.second_ball; second && !d.onsets.empty())
-    d.warnings.push_back(
-        formatted("a second ball seems to bounce at the same time, %zu impacts from %.2f s on: it is "
-                  "not among the results",
-                  second->n_impacts, second->begin_s + moved_s));
+    d.notes.push_back(
+        {NoteKind::second_ball, {static_cast<double>(second->n_impacts), second->begin_s + moved_s}});
   return d;
 }
 
@@ -231,8 +202,8 @@ void describe_format(const audio::AudioFormat& format, const std::string& coding
   d.summary.format = format.description;
   d.summary.lossy_coding = coding;
   d.summary.ffmpeg = format.ffmpeg;
-  if (!coding.empty() && !d.onsets.empty()) d.warnings.insert(d.warnings.begin(), lossy_coding_warning(coding));
-  if (!format.warning.empty()) d.warnings.insert(d.warnings.begin(), format.warning);
+  if (!coding.empty() && !d.onsets.empty()) d.notes.push_back({NoteKind::lossy_coding, {}, coding});
+  if (!format.warning.empty()) d.notes.push_back({NoteKind::of_file, {}, format.warning});
 }
 
 Detection detect_track(const audio::AudioReader& sound, const std::string& name, const DetectionConfig& config,
@@ -275,9 +246,8 @@ Detection detect_file(const std::filesystem::path& recording, const DetectionCon
     if (log_odds_of(d) > log_odds_of(best)) best = std::move(d);
   }
   if (!best.onsets.empty())
-    best.warnings.insert(best.warnings.begin(), "track " + std::to_string(best.summary.track) + " of " +
-                                                    std::to_string(n_tracks) +
-                                                    " tracks of sound has the ball; --track takes another (from 0)");
+    best.notes.push_back(
+        {NoteKind::track_taken, {static_cast<double>(best.summary.track), static_cast<double>(n_tracks)}});
   return best;
 }
 
@@ -318,10 +288,6 @@ const RecordingDetection* first_found(const std::vector<RecordingDetection>& rec
   return found == recordings.end() ? nullptr : &*found;
 }
 
-std::string lossy_coding_warning(const std::string& coding) {
-  return "lossy coding (" + coding + "): times may be off by more than stated; record as WAV or FLAC";
-}
-
 Detection detect(const std::filesystem::path& recording, const DetectionConfig& config,
                  const ProgressCallback& progress) {
   return detect_file(recording, config, 1, progress);
@@ -350,7 +316,7 @@ void detect_each(const std::vector<std::filesystem::path>& recordings, const Det
       found = detect_file(recordings[k], config, n_threads, {});
     } catch (const FileError& error) {
       found.status = DetectionStatus::unreadable;
-      found.message = error.what();
+      found.notes = {{NoteKind::recording_left_out, {}, error.what()}};
     }
     const std::lock_guard lock(mutex);
     sink(k, std::move(found));

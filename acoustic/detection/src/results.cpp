@@ -114,12 +114,11 @@ Description members_of(const RecordingDetection*) {
       computed(
           "recording", [](const R& r) { return input_name(r.recording); }, "As it was given"),
       member<&R::found, &Detection::status>("status", "`ok`, `too_few_impacts`, `silent` or `unreadable`"),
-      member<&R::found, &Detection::message>("message", "What was found, or why not"),
       member<&R::n_onsets>("n_onsets", "Impacts found"),
       member<&R::found, &Detection::drops>("drops", "`[{begin_s, n_impacts, odds, probability, doubtful}]`"),
       computed(
           "", [](const R& r) { return std::get<Object>(value_of(r.found.summary)); }, "Of the recording"),
-      member<&R::found, &Detection::warnings>("warnings", "Texts")};
+      member<&R::found, &Detection::notes>("notes", "`[{kind, numbers, subject, recording}]`: what limits the times; where there are none, why")};
   return all;
 }
 

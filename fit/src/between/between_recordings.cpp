@@ -310,14 +310,14 @@ BetweenRecordings compare_campaign(const std::vector<CampaignRecording>& recordi
     result.n_samples += recording.summary.n;
   }
   if (result.n_used < kFewestPooled) {
-    result.message = std::to_string(result.n_used) + " of " + std::to_string(result.n_recordings) +
-                     (result.n_recordings == 1 ? " recording has" : " recordings have") +
-                     " a law of its own: a law of all needs " + std::to_string(kFewestPooled) + ", a comparison 2";
+    result.why = Note{NoteKind::too_few_recordings,
+                      {static_cast<double>(result.n_used), static_cast<double>(result.n_recordings),
+                       static_cast<double>(kFewestPooled)}};
     return result;
   }
   const Design design = make_design(recordings);
   if (design.data.n() < design.data.n_fixed() + 1) {
-    result.message = std::to_string(result.n_used) + " recordings do not determine law, drift and plates together";
+    result.why = Note{NoteKind::undetermined_campaign, {static_cast<double>(result.n_used)}};
     return result;
   }
   const Judged judged = judge(design.data);

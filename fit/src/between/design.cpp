@@ -74,7 +74,7 @@ OffsetData offsets_of(const std::vector<OwnLaw>& own, const LawModel& law, const
 }
 
 /// The law with as many constants as the speeds determine.
-LawModel law_of(const std::vector<OwnLaw>& own, const std::vector<double>& v_mps, std::vector<std::string>& notes) {
+LawModel law_of(const std::vector<OwnLaw>& own, const std::vector<double>& v_mps, std::vector<Note>& notes) {
   constexpr double kDetermined = 1e-6;
   const std::vector<double> ends = spread_speeds(v_mps, 2);
   if (ends[1] >= kOneSpeed * ends[0])
@@ -84,10 +84,10 @@ LawModel law_of(const std::vector<OwnLaw>& own, const std::vector<double>& v_mps
       const Eigen::MatrixXd information =
           data.within + transposed_product(data.h, data.variance.cwiseInverse().asDiagonal() * data.h);
       if (!(least_and_rank(information).first > kDetermined)) continue;
-      if (orders.size() < 3) notes.push_back("the speeds determine no more than two constants of the law, A2 and A4");
+      if (orders.size() < 3) notes.push_back({NoteKind::law_of_two_constants});
       return law;
     }
-  notes.push_back(formatted("all speeds are near %.3g m/s: one ε for all of them", ends[0]));
+  notes.push_back({NoteKind::one_speed_of_all, {ends[0]}});
   return make_law_model(LawKind::constant, {}, v_mps);
 }
 
@@ -138,19 +138,14 @@ void choose_groups(Design& design) {
     plates.effect = GroupEffect::fixed;
   else if (plates.names.size() > 1)
     design.notes.push_back(
-        formatted("%zu plates of %zu recordings: too few of the same plate for the pooled law to tell what differs "
-                  "from plate to plate from what differs from recording to recording; it has no plates",
-                  plates.names.size(), n));
+        {NoteKind::plates_not_in_law, {static_cast<double>(plates.names.size()), static_cast<double>(n)}});
   if (days.names.size() < 2) return;
   if (plates.effect == GroupEffect::random && are_the_same(plates, days))
-    design.notes.push_back("each plate has a day of its own: plates and days cannot be told apart");
+    design.notes.push_back({NoteKind::plates_are_days});
   else if (is_random(days))
     days.effect = GroupEffect::random;
   else if (days.names.size() < kFewestGroups)
-    design.notes.push_back(
-        formatted("%zu days: too few to know how much ε differs from day to day, so the error of a "
-                  "drift is that of recordings that have nothing in common by their day",
-                  days.names.size()));
+    design.notes.push_back({NoteKind::few_days, {static_cast<double>(days.names.size())}});
 }
 
 /// Times of the rows about their mean, in units of the campaign; empty where there is nothing to see a drift by.
@@ -167,15 +162,15 @@ Eigen::VectorXd times_of(const std::vector<CampaignRecording>& recordings, Desig
     design.drift.end = *greatest;
     for (const double day : known) design.drift.middle += day / static_cast<double>(known.size());
     if (known.size() < design.of_row.size())
-      design.notes.push_back(formatted("%zu of %zu recordings have no date and say nothing of a drift",
-                                       design.of_row.size() - known.size(), design.of_row.size()));
+      design.notes.push_back(
+          {NoteKind::dates_missing, {static_cast<double>(design.of_row.size() - known.size()), static_cast<double>(n)}});
   } else {
     design.drift.end = static_cast<double>(n - 1);
     design.drift.middle = 0.5 * design.drift.end;
   }
   design.time_unit = design.drift.end - design.drift.begin;
   design.has_drift = design.time_unit > 0.0;
-  if (!design.has_drift) design.notes.push_back("all recordings have one date: no drift can be seen");
+  if (!design.has_drift) design.notes.push_back({NoteKind::one_date});
   for (Eigen::Index r = 0; r < n; ++r) {
     const auto& date = recordings[design.of_row[static_cast<std::size_t>(r)]].origin.date;
     const double t = design.drift.by_date ? (date ? date->day : design.drift.middle) : static_cast<double>(r);
@@ -289,9 +284,7 @@ Design make_design(const std::vector<CampaignRecording>& recordings) {
   add_columns(design.data, design, time);
   if (design.plates.effect == GroupEffect::fixed && !is_determined(design.data)) {
     design.plates.effect = GroupEffect::none;
-    design.notes.push_back(
-        "what differs from plate to plate cannot be told from a drift: each plate has a time of its "
-        "own");
+    design.notes.push_back({NoteKind::plates_are_times});
     design.data = offsets;
     add_columns(design.data, design, time);
   }

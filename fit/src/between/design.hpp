@@ -35,7 +35,7 @@ struct Design {
   std::size_t plate_grouping = 0, day_grouping = 0;  ///< in data
   ChiSquareTest shapes;
   double within_rank = 0.0;
-  std::vector<std::string> notes;
+  std::vector<Note> notes;
 
   /// What a plate adds by the fixed effects. @param plate  -1: none
   double plate_constant(const Eigen::VectorXd& beta, int plate) const;

@@ -221,16 +221,15 @@ class Difference {
   double offset_ = 0.0, variance_ = 0.0, more_ = 0.0;  ///< variance beyond that of independent samples
 };
 
-/// Empty where they can be compared.
-std::string why_not(const std::vector<Group>& groups, const std::pair<double, double>& shared) {
+/// Absent where they can be compared.
+std::optional<Note> why_not(const std::vector<Group>& groups, const std::pair<double, double>& shared) {
   for (const auto& [name, samples] : groups)
     if (samples.size() < kFewestOfAGroup)
-      return printable(name) +
-             formatted(" has %zu usable samples: at least %zu are needed", samples.size(), kFewestOfAGroup);
-  if (shared.second < shared.first)
-    return formatted("no speeds are common to all: one ends at %.2g m/s, another begins at %.2g m/s", shared.second,
-                     shared.first);
-  return {};
+      return Note{NoteKind::group_too_small,
+                  {static_cast<double>(samples.size()), static_cast<double>(kFewestOfAGroup)},
+                  printable(name)};
+  if (shared.second < shared.first) return Note{NoteKind::no_common_speeds, {shared.second, shared.first}};
+  return std::nullopt;
 }
 
 }  // namespace
@@ -246,12 +245,12 @@ GroupDifferences compare_groups(const std::vector<Group>& groups) {
   }
   for (const auto& [name, samples] : groups)
     if (samples.empty()) {
-      result.message = why_not(groups, {});
+      result.why = why_not(groups, {});
       return result;
     }
   const std::pair<double, double> shared = shared_speeds(groups);
-  result.message = why_not(groups, shared);
-  if (!result.message.empty()) return result;
+  result.why = why_not(groups, shared);
+  if (result.why) return result;
   const LawFitConfig config = config_of(groups, shared);
   std::vector<Fitted> all;
   std::vector<double> v_mps;
@@ -261,15 +260,15 @@ GroupDifferences compare_groups(const std::vector<Group>& groups) {
       std::erase_if(part,
                     [&](const RestitutionSample& s) { return s.v_mps < shared.first || s.v_mps > shared.second; });
     if (part.size() < kFewestOfAGroup) {
-      result.message = printable(name) + formatted(" has %zu samples at the speeds that all share, %.2g to %.2g m/s",
-                                                   part.size(), shared.first, shared.second);
+      result.why = Note{NoteKind::group_few_at_common,
+                        {static_cast<double>(part.size()), shared.first, shared.second},
+                        printable(name)};
       return result;
     }
     all.push_back(fitted(part, config, result.unit));
     const Fitted& group = all.back();
     if (group.units.empty() || !cholesky(group.covariance)) {
-      result.message =
-          printable(name) + " has no law of its own" + (group.fit.message.empty() ? "" : ": " + group.fit.message);
+      result.why = Note{NoteKind::group_without_law, {}, printable(name)};
       return result;
     }
     result.groups.push_back({name, group.fit.n, group.units.size(), group.fit.nodes, group.fit.parameters});

@@ -72,8 +72,8 @@ RecordingSummary summarize_recording(const RestitutionSamples& samples) {
   }
   summary.n_drops = drops.size();
   if (used.size() < kFewestOfASummary) {
-    summary.message =
-        std::to_string(used.size()) + " usable samples: at least " + std::to_string(kFewestOfASummary) + " are needed";
+    summary.why =
+        Note{NoteKind::too_few_samples, {static_cast<double>(used.size()), static_cast<double>(kFewestOfASummary)}};
     return summary;
   }
   if (drops.size() < kDropsOfACovariance)
@@ -83,18 +83,20 @@ RecordingSummary summarize_recording(const RestitutionSamples& samples) {
   summary.n = fit.n;
   summary.n_outliers = fit.outliers.size();
   summary.status = fit.status == FitStatus::not_identifiable ? FitStatus::ok : fit.status;  // the curve is known
-  summary.message = summary.status == FitStatus::ok ? "" : fit.message;
-  if (summary.status != FitStatus::ok) return summary;
+  if (summary.status != FitStatus::ok) {
+    summary.why = fit.why;
+    return summary;
+  }
   const auto known = [](const NodeEstimate& node) { return node.eps.se && *node.eps.se > 0.0; };
   if (fit.nodes.empty() || !std::all_of(fit.nodes.begin(), fit.nodes.end(), known)) {
     summary.status = FitStatus::not_identifiable;
-    summary.message = fit.message.empty() ? "its own law has no standard error" : fit.message;
+    summary.why = fit.why ? fit.why : Note{NoteKind::no_error_of_law};
     return summary;
   }
   take_nodes(summary, fit);
   if (!has_inverse(summary)) {
     summary.status = FitStatus::not_identifiable;
-    summary.message = "the errors of its own law cannot be told apart";
+    summary.why = Note{NoteKind::errors_tied};
   }
   if (fit.scatter) {
     const double v = v_mps[v_mps.size() / 2], below = fit.scatter->below(v), above = fit.scatter->above(v);
@@ -267,7 +269,7 @@ Table to_table(const BetweenRecordings& between, const std::vector<CampaignRecor
                 {"standardised", reals([&](std::size_t k) { return rows[k].standardised; })},
                 {"p_value", reals([&](std::size_t k) { return rows[k].p_value; })},
                 {"outlier", counts([&](std::size_t k) { return rows[k].is_outlier; })},
-                {"message", texts([&](std::size_t k) { return summary(k).message; })}}};
+                {"message", texts([&](std::size_t k) { return summary(k).why ? std::string(to_string(summary(k).why->kind)) : std::string(); })}}};
 }
 
 }  // namespace bouncelab::fit

@@ -16,7 +16,7 @@
 namespace bouncelab::fit {
 namespace {
 
-constexpr std::size_t kGrid = 15;  // speeds of the picture
+constexpr std::size_t kGrid = 13;  // speeds of the picture
 
 /// Below which 10, 50 and 90 % of the speeds lie; one where all are nearly one.
 std::vector<double> nodes_of(const Eigen::VectorXd& x) {

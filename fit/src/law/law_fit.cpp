@@ -21,36 +21,27 @@ namespace {
 
 constexpr double kSpeedRatioMin = 1.2;
 
-std::string reason_not_to_fit(const LawData& data, FitStatus& status) {
-  if (data.size() < kFewest) {
-    status = FitStatus::too_few_samples;
-    return std::to_string(data.size()) + (data.size() == 1 ? " sample: at least " : " samples: at least ") +
-           std::to_string(kFewest) + " are needed";
-  }
-  return {};
-}
-
 /// The law that samples can say something of: as asked for from eight on, two terms of a series from five on, a
 /// constant below, and where all have about one speed.
-LawFitConfig for_these(LawFitConfig config, const LawData& data, std::vector<std::string>& notes) {
+LawFitConfig for_these(LawFitConfig config, const LawData& data, std::vector<Note>& notes) {
   constexpr std::size_t kThreeTerms = 8, kTwoTerms = 5;
   const std::size_t n = data.size();
   if (n == 0) return config;
   const double lo = data.v_mps[n / 20], hi = data.v_mps[n - 1 - n / 20];
   if (config.kind == LawKind::series && config.orders.size() > 1 && hi < kSpeedRatioMin * lo) {
     config.kind = LawKind::constant;
-    notes.push_back("all speeds lie between " + formatted("%.3g and %.3g", lo, hi) + " m/s: one eps, at that speed");
+    notes.push_back({NoteKind::one_speed, {lo, hi}});
     return config;
   }
   if (n >= kThreeTerms || config.kind != LawKind::series) return config;
   if (n >= kTwoTerms) {
     if (config.orders.size() <= 2) return config;
     config.orders.resize(2);
-    notes.push_back(std::to_string(n) + " samples: two terms of the law");
+    notes.push_back({NoteKind::two_terms, {static_cast<double>(n)}});
     return config;
   }
   config.kind = LawKind::constant;
-  notes.push_back(std::to_string(n) + " samples: one eps for all speeds");
+  notes.push_back({NoteKind::one_constant, {static_cast<double>(n)}});
   return config;
 }
 
@@ -93,7 +84,7 @@ std::vector<LawComparison> comparison(const Candidate& main, const LawFitConfig&
 void add_bootstrap(LawFit& fit, const LawLikelihood& likelihood, const Maximum& maximum, const LawFitConfig& config) {
   const auto drawn = bootstrap_by_drop(likelihood, maximum, config.n_bootstrap, config.seed);
   if (drawn.size() < 2) {
-    fit.notes.push_back("no bootstrap by drop: it needs 8 drops or more");
+    fit.notes.push_back({NoteKind::no_bootstrap});
     return;
   }
   const LawModel& model = likelihood.model();
@@ -140,8 +131,10 @@ LawFit fitted_law(const RestitutionSamples& samples, const OrderedSamples& order
   fit.n = data.size();
   const LawFitConfig config = for_these(asked, data, fit.notes);
   fit.kind = config.kind;
-  fit.message = reason_not_to_fit(data, fit.status);
-  if (!fit.message.empty()) return fit;
+  if (data.size() < kFewest) {
+    fit.why = Note{NoteKind::too_few_samples, {static_cast<double>(data.size()), static_cast<double>(kFewest)}};
+    return fit;
+  }
 
   const LawModel model = make_law_model(config.kind, config.orders, data.v_mps);
   data.basis = make_law_basis(model, data.v_mps);
@@ -156,7 +149,7 @@ LawFit fitted_law(const RestitutionSamples& samples, const OrderedSamples& order
   fit.n = data.size();
   if (!candidate) {
     fit.status = FitStatus::not_applicable;
-    fit.message = "the median ε is not between 0.05 and 1: no viscoelastic sphere does that";
+    fit.why = Note{NoteKind::not_a_sphere};
     return fit;
   }
   const LawLikelihood likelihood(candidate->data, model, candidate->family);

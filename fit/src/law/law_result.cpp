@@ -89,8 +89,8 @@ void describe_parameters(LawFit& fit, const LawLikelihood& likelihood, const Par
   fit.correlation = to_matrix(correlation);
   const Eigen::VectorXd spectrum = eigenvalues(correlation);
   if (spectrum.minCoeff() > 0.0) fit.condition_number = spectrum.maxCoeff() / spectrum.minCoeff();
-  fit.message = not_identified_in_words(fit.parameters, fit.n);
-  if (!fit.message.empty()) fit.status = FitStatus::not_identifiable;
+  fit.why = not_identified(fit.parameters, fit.n);
+  if (fit.why) fit.status = FitStatus::not_identifiable;
 }
 
 void describe_nodes(LawFit& fit, const LawModel& model, const ParameterCovariance& known,
@@ -193,17 +193,14 @@ void mark_identified(std::vector<NamedEstimate>& parameters, const LawModel& mod
   propagate_unidentified(parameters, correlation);
 }
 
-std::string not_identified_in_words(const std::vector<NamedEstimate>& parameters, std::size_t n) {
-  std::string unknown, intervals;
-  for (const NamedEstimate& p : parameters) {
-    if (p.estimate.identified) continue;
-    unknown += (unknown.empty() ? "" : ", ") + p.name;
-    intervals += (intervals.empty() ? "" : ", ") + p.name + " " + formatted("%.3g", p.estimate.ci95->lo) + " to " +
-                 formatted("%.3g", p.estimate.ci95->hi);
-  }
-  if (unknown.empty()) return {};
-  return unknown + (unknown.find(',') == std::string::npos ? " is" : " are") + " not identifiable from these " +
-         std::to_string(n) + " impacts (95 % intervals at best: " + intervals + "); use the curve ε(v)";
+std::optional<Note> not_identified(const std::vector<NamedEstimate>& parameters, std::size_t n) {
+  std::string intervals;
+  for (const NamedEstimate& p : parameters)
+    if (!p.estimate.identified)
+      intervals += (intervals.empty() ? "" : ", ") + p.name +
+                   formatted(" %.3g to %.3g", p.estimate.ci95->lo, p.estimate.ci95->hi);
+  if (intervals.empty()) return std::nullopt;
+  return Note{NoteKind::not_identifiable, {static_cast<double>(n)}, intervals};
 }
 
 void describe_nodes(LawFit& fit, const LawLikelihood& likelihood, const Maximum& maximum,
@@ -225,8 +222,7 @@ void describe_fit(LawFit& fit, const LawLikelihood& likelihood, const Maximum& m
     profile_all(fit, likelihood, maximum, found.white, found.by_drop);
   if (!maximum.converged) {
     fit.status = FitStatus::not_converged;
-    fit.message =
-        "the search did not converge: a gain of " + formatted("%.3g", maximum.gain_left) + " in log-likelihood is left";
+    fit.why = Note{NoteKind::not_converged, {maximum.gain_left}};
   }
 }
 

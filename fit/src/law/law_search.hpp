@@ -68,8 +68,8 @@ bool remove_outliers(const LawData& data, const LawModel& model, const Candidate
 void mark_identified(std::vector<NamedEstimate>& parameters, const LawModel& model, const Eigen::MatrixXd& correlation,
                      double v_mps, double eps);
 
-/// Which constants `n` impacts do not determine, with their intervals; empty where they determine all.
-std::string not_identified_in_words(const std::vector<NamedEstimate>& parameters, std::size_t n);
+/// Which constants `n` impacts do not determine, with their intervals; absent where they determine all.
+std::optional<Note> not_identified(const std::vector<NamedEstimate>& parameters, std::size_t n);
 
 /// The nodes alone, with standard errors and correlations, and what these rest on.
 void describe_nodes(LawFit& fit, const LawLikelihood& likelihood, const Maximum& maximum,

@@ -333,7 +333,7 @@ RecordingFit row_of(const RestitutionSamples& samples, LawFitConfig config, cons
   row.n = fit.n;
   row.n_outliers = fit.outliers.size();
   row.status = fit.status;
-  row.message = fit.message;
+  row.why = fit.why;
   row.kind = fit.kind;
   row.nodes = std::move(fit.nodes);
   row.parameters = std::move(fit.parameters);

@@ -203,19 +203,18 @@ void describe_law(MemoryFit& fit, const LawModel& model, const Posterior& poster
 }
 
 /// What speaks against the model, in words; empty where nothing does.
-std::string objections(const MemoryFit& fit) {
+std::vector<Note> objections(const MemoryFit& fit) {
   constexpr double kRejected = 0.01;
-  std::string text;
-  const auto add = [&](const std::string& what) { text += (text.empty() ? "" : "; ") + what; };
-  if (fit.loglik_independent && fit.loglik < *fit.loglik_independent)
-    add("impacts taken as independent are likelier: these fluctuations do not remember as those of a rough ball do");
-  if (fit.anderson_darling && fit.anderson_darling->p_value <= kRejected)
-    add("the impacts do not scatter as the model says (Anderson-Darling test of the probability transforms)");
-  if (fit.mechanism.p_value <= kRejected) add("offset and width of the scatter want different roughness");
-  if (fit.by_speed.p_value <= kRejected) add("slow impacts want another roughness than fast ones");
-  if (fit.between_drops && fit.between_drops->p_value <= kRejected)
-    add("drops differ from each other by more than their impacts say");
-  return text;
+  std::vector<Note> found;
+  const auto test = [&](NoteKind kind, double p_value) {
+    if (p_value <= kRejected) found.push_back({kind, {p_value}});
+  };
+  if (fit.loglik_independent && fit.loglik < *fit.loglik_independent) found.push_back({NoteKind::memory_unlikelier});
+  if (fit.anderson_darling) test(NoteKind::memory_transforms, fit.anderson_darling->p_value);
+  test(NoteKind::memory_mechanism, fit.mechanism.p_value);
+  test(NoteKind::memory_by_speed, fit.by_speed.p_value);
+  if (fit.between_drops) test(NoteKind::memory_between_drops, fit.between_drops->p_value);
+  return found;
 }
 
 /// Fills in what the parameters say, how well they are known, and whether the model may be believed.
@@ -235,7 +234,7 @@ void describe(MemoryFit& fit, const MemoryLikelihood& likelihood, const Eigen::V
   const Posterior posterior = uncertainty(likelihood, theta, scores, config);
   if (posterior.effective < kFewestDraws) {
     fit.status = FitStatus::not_converged;
-    fit.message = "the errors of the likeliest parameters could not be found: too few draws from the posterior count";
+    fit.objections = {{NoteKind::memory_without_errors}};
     return;
   }
   describe_law(fit, likelihood.model(), posterior, config.node_speeds_mps, speeds);
@@ -266,8 +265,8 @@ void describe(MemoryFit& fit, const MemoryLikelihood& likelihood, const Eigen::V
     if (fit.n_drops > 1) fit.between_drops = tests.between_drops;
     for (std::size_t j = 0; tests.score_p && j < tested.size(); ++j) tested[j]->p_value = (*tests.score_p)[j];
   }
-  fit.message = objections(fit);
-  fit.holds = fit.message.empty();
+  fit.objections = objections(fit);
+  fit.holds = fit.objections.empty();
 }
 
 }  // namespace
@@ -277,7 +276,7 @@ MemoryFit fit_memory(const RestitutionSamples& samples, const LawFit& independen
   if (config.kind == LawKind::series && config.orders.size() > kMostMemoryLawParameters)
     throw InvalidArgument("orders of the series: with memory at most " + std::to_string(kMostMemoryLawParameters));
   if (!independent.law || !independent.scatter) {
-    fit.message = "no law to start from";
+    fit.objections = {{NoteKind::memory_without_law}};
     return fit;
   }
   const Chains chains = chains_of(samples, independent.outliers, *independent.law);
@@ -288,8 +287,8 @@ MemoryFit fit_memory(const RestitutionSamples& samples, const LawFit& independen
   std::size_t longest = 0;
   for (const Chain& chain : chains.chains) longest = std::max(longest, chain.impacts.size());
   if (fit.n < kFewestImpacts || longest < kShortestLongest) {
-    fit.message = "memory needs " + std::to_string(kFewestImpacts) + " impacts, and drops of " +
-                  std::to_string(kShortestLongest) + " successive ones";
+    fit.objections = {
+        {NoteKind::memory_too_few, {static_cast<double>(kFewestImpacts), static_cast<double>(kShortestLongest)}}};
     return fit;
   }
   const std::vector<double> speeds = speeds_of(samples);
@@ -309,9 +308,7 @@ MemoryFit fit_memory(const RestitutionSamples& samples, const LawFit& independen
   const Found found = search(likelihood, start);
   if (!succeeded(found)) {
     fit.status = FitStatus::not_converged;
-    fit.message =
-        "the search for the likeliest parameters did not converge: these fluctuations are not those of a "
-        "rough ball's memory";
+    fit.objections = {{NoteKind::memory_not_converged}};
     return fit;
   }
   fit.loglik_independent = loglik_independent(chains, independent);

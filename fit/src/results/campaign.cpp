@@ -85,7 +85,6 @@ Description members_of(const Grouping*) {
 Description members_of(const BetweenRecordings*) {
   using B = BetweenRecordings;
   static constexpr Member all[]{
-      member<&B::notes>("notes", "What could not be had"),
       member<&B::n_recordings>("n_recordings", "Recordings"),
       member<&B::n_used>("n_used", "Those with a law of their own, outliers among them"),
       member<&B::n_samples>("n_samples", "Their samples"),
@@ -141,7 +140,6 @@ Description members_of(const GroupDifference*) {
 Description members_of(const GroupDifferences*) {
   using D = GroupDifferences;
   static constexpr Member all[]{
-      member<&D::message>("message", "Why there are no `rows`"),
       computed(
           "unit", [](const D& d) { return to_string(d.unit); },
           "By what differs within a group differences are judged: `recordings` where a group has several, else "

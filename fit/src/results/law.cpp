@@ -36,7 +36,10 @@ Description members_of(const Estimate*) {
       member<&E::ci95>("ci95", "`[lo, hi]`, 95 % confidence interval, of the same kind as `se`"),
       member<&E::bootstrap>("bootstrap", "`{se, ci68, ci95, n_replicates}` by drop, with `--bootstrap`")
           .left_out_where_unknown(),
-      member<&E::identified>("identified", "`false`: these data do not determine it")};
+      computed(
+          "identified", [](const E& e) { return e.identified ? std::nullopt : std::optional(false); },
+          "`false` where these data do not determine it, else not there")
+          .left_out_where_unknown()};
   return all;
 }
 
@@ -111,7 +114,6 @@ Description members_of(const ResidualBin*) {
 Description members_of(const LawComparison*) {
   using C = LawComparison;
   static constexpr Member all[]{member<&C::name>("name", "The law's constants"),
-                                member<&C::n_parameters>("n_parameters", "Of law and scatter"),
                                 member<&C::delta_aic>("delta_aic", "AIC less the least of the list")};
   return all;
 }
@@ -151,7 +153,6 @@ Description members_of(const RecordingFit*) {
   static constexpr Member all[]{
       member<&R::recording>("recording", "Its name"),
       member<&R::status>("status", "How its fit ended"),
-      member<&R::message>("message", "In words, empty where all is well"),
       member<&R::kind>("law", "`series`, `viscoelastic` or `constant`"),
       member<&R::n>("n", "Samples fitted"),
       member<&R::n_outliers>("n_outliers", "Samples left out as lost bounces"),
@@ -238,7 +239,6 @@ Description members_of(const Constants*) {
   using C = Constants;
   static constexpr Member all[]{
       member<&C::status>("status", "How their fit ended; `not_applicable` where the law does not describe the samples"),
-      member<&C::message>("message", "In words, empty where all is well"),
       member<&C::with_memory>("with_memory", "By the fit with memory; else impacts are taken as independent"),
       estimates_by_name<C>(),
       member<&C::covariance>("covariance", "Matrix by rows"),
@@ -304,7 +304,7 @@ Description members_of(const FitResult*) {
       member<&F::law, &LawFit::misfit>(
           "misfit", "`null`, or how the law compares with the smooth curve: `{ln_bayes_factor, v_mps, off}`"),
       member<&F::law, &LawFit::comparison>(
-          "laws", "`[{name, n_parameters, delta_aic}]`, the law itself first: other laws of the same samples"),
+          "laws", "`[{name, delta_aic}]`, the law itself first: other laws of the same samples, AIC less the least of the list"),
       member<&F::law, &LawFit::drops>("drops", "Their number, and what `se` and intervals of constants rest on"),
       member<&F::law, &LawFit::scatter>("scatter", "Of the samples about the peak, see below"),
       member<goodness_of>("goodness", "`{chi2, ndf, p_value, anderson_darling}`: is the scatter as the fit assumes? Pearson's test from five "

@@ -81,7 +81,6 @@ Description members_of(const MemoryFit*) {
           "status",
           "`too_few_samples` below 60 impacts or where no drop has 10 successive ones; `not_converged`, also where "
           "the errors could not be found; `ok`"),
-      member<&M::message>("message", "What speaks against the model, empty where nothing does"),
       member<&M::holds>("holds",
                         "The model passes its tests (p above .01 for the transforms, `mechanism`, `by_speed` and "
                         "`between_drops`) and is likelier than independent impacts. Else `constants` are of impacts taken as independent"),
@@ -113,7 +112,6 @@ Description members_of(const RoughnessResult*) {
   using R = RoughnessResult;
   static constexpr Member all[]{
       member<&R::memory, &MemoryFit::status>("status", "As of the memory"),
-      member<&R::memory, &MemoryFit::message>("message", "As of the memory"),
       member<&R::memory, &MemoryFit::holds>("holds", "As of the memory"),
       member<&R::memory, &MemoryFit::n>("n", "Impacts used"),
       member<&R::memory, &MemoryFit::n_drops>("n_drops", "Drops they are of"),

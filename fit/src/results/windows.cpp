@@ -46,7 +46,6 @@ Description members_of(const HistogramFit*) {
   using H = HistogramFit;
   static constexpr Member all[]{
       member<&H::status>("status", "How the fit ended"),
-      member<&H::message>("message", "In words, empty where all is well"),
       member<&H::v_lo_mps>("v_lo_mps", "Window"),
       member<&H::v_hi_mps>("v_hi_mps", "Its other end"),
       member<&H::v_mps>("v_mps", "Its centre"),
@@ -69,8 +68,7 @@ Description members_of(const HistogramFit*) {
       computed(
           "curve", [](const H& h) { return as_columns(h.curve, "eps", "density"); },
           "`eps`, `density`: the fitted density with the timing errors"),
-      member<&H::shapes>("shapes", "Shapes fitted to the counts, see below"),
-      member<&H::verdict>("verdict", "In words")};
+      member<&H::shapes>("shapes", "Shapes fitted to the counts, see below")};
   return all;
 }
 
@@ -96,9 +94,7 @@ Description members_of(const TimingNoise*) {
       member<&T::n_pairs>("n_pairs", "Neighbouring samples"),
       member<&T::lag1_correlation>("lag1_correlation", "Of their residuals: 0 asperities only, -2/3 timing only"),
       member<&T::lag1_correlation_se>("lag1_correlation_se", "Its standard error"),
-      member<&T::variance_s2>("variance_s2", "Variance of a time that they show; negative by chance"),
-      member<&T::variance_se_s2>("variance_se_s2", "Its standard error"),
-      member<&T::sigma_s>("sigma_s", "Its root, where it is positive"),
+      member<&T::sigma_s>("sigma_s", "Standard deviation of a time that they show; `null`: none is seen"),
       member<&T::upper95_s>("upper95_s", "One-sided 95 % limit"),
       member<&T::stated_s>("stated_s", "Median of what `sigma_eps` states")};
   return all;

@@ -89,16 +89,13 @@ Bins bins_of(std::vector<double> eps) {
 void fit_two_exponentials(HistogramFit& result, const LawData& data, const WindowFit& fit) {
   const Eigen::VectorXd& theta = fit.maximum.x;
   result.status = fit.maximum.converged ? FitStatus::ok : FitStatus::not_converged;
-  if (!fit.maximum.converged) result.message = "the search did not converge";
   result.drops = fit.drops;
   result.peak_eps = peak_estimate(fit);
   result.slope_rising = slope_estimate(fit, 1);
   result.slope_falling = slope_estimate(fit, 2);
   result.slope_ratio = slope_ratio_estimate(fit);
-  if (!result.slope_rising->identified || !result.slope_falling->identified) {
-    if (fit.maximum.converged) result.status = FitStatus::not_identifiable;
-    result.message = "the scatter is narrower than the timing error: its slopes are not identifiable";
-  }
+  if ((!result.slope_rising->identified || !result.slope_falling->identified) && fit.maximum.converged)
+    result.status = FitStatus::not_identifiable;  // the scatter is narrower than the timing error
   result.loglik = fit.maximum.loglik;
   if (const auto chi2 = pearson_chi2(probabilities_below(data, theta), 3, 1)) {
     result.chi2 = chi2->chi2;
@@ -124,40 +121,6 @@ void compare_with_other_densities(HistogramFit& result, const LawData& data, con
   result.shapes = fit_shapes(result.bins, data.tau, {fit.maximum.x[0], exp(fit.maximum.x[1]), exp(fit.maximum.x[2])});
 }
 
-/// Differences of AIC beyond which one shape is called better (Burnham & Anderson, 2002: "essentially no support").
-constexpr double kDecided = 10.0;
-
-const char* describe(DensityShape shape) {
-  switch (shape) {
-    case DensityShape::two_exponentials:
-      return "two exponentials";
-    case DensityShape::normal:
-      return "a normal";
-    case DensityShape::gumbel:
-      return "a Gumbel";
-    case DensityShape::student_t:
-      return "a Student t";
-  }
-  return "unknown";
-}
-
-std::string verdict(const HistogramFit& h) {
-  if (h.shapes.empty()) return {};
-  const auto best = std::min_element(h.shapes.begin(), h.shapes.end(),
-                                     [](const ShapeFit& a, const ShapeFit& b) { return a.delta_aic < b.delta_aic; });
-  std::string undecided;
-  for (const ShapeFit& s : h.shapes)
-    if (&s != &*best && s.delta_aic - best->delta_aic < kDecided)
-      undecided += (undecided.empty() ? "" : " or ") + std::string(describe(s.shape));
-  std::string text = undecided.empty() ? std::string(describe(best->shape)) + " describe" +
-                                             (best->shape == DensityShape::two_exponentials ? "" : "s") + " it best"
-                                       : std::string(describe(best->shape)) + ", not to be told from " + undecided;
-  if (best->p_value && *best->p_value < 1e-3) text += ", though not within the errors";
-  if (const std::optional<bool> differ = slopes_differ(h))
-    text += *differ ? "; the slopes differ (95 %)" : "; the slopes may be equal";
-  return text;
-}
-
 HistogramFit fit_histogram(const SamplesWithSpeeds& samples, double centre, double width, std::size_t n_min,
                            const LawFit& law) {
   HistogramFit result;
@@ -167,14 +130,10 @@ HistogramFit fit_histogram(const SamplesWithSpeeds& samples, double centre, doub
   const LawData data = window_data(samples, result.v_lo_mps, result.v_hi_mps, centre, law);
   result.n = data.size();
   if (result.n > 0) result.bins = bins_of(data.eps);
-  if (result.n < std::max<std::size_t>(n_min, 5)) {
-    result.message = std::to_string(result.n) + " samples: at least " + std::to_string(n_min) + " are needed";
-    return result;
-  }
+  if (result.n < std::max<std::size_t>(n_min, 5)) return result;
   const WindowFit fit = fit_window(data, ScatterKind::asymmetric_laplace);
   fit_two_exponentials(result, data, fit);
   compare_with_other_densities(result, data, fit);
-  result.verdict = verdict(result);
   return result;
 }
 

@@ -12,7 +12,7 @@
 #include "bouncelab/core/files.hpp"
 #include "bouncelab/core/parallel.hpp"
 #include "bouncelab/core/text.hpp"
-#include "bouncelab/report/detection.hpp"
+#include "bouncelab/report/notes.hpp"
 #include "stages/files/foreign_files.hpp"
 #include "stages/files/provenance.hpp"
 #include "stages/files/sample_files.hpp"
@@ -67,14 +67,6 @@ loop::AnalyzeConfig analyze_config(const AnalyzeOptions& options, const CommonOp
 
 namespace {
 
-/// Of one recording nobody needs to be told which.
-std::vector<std::string> without_name(std::vector<std::string> warnings, const fs::path& recording) {
-  const std::string name = printable(input_name(recording)) + ": ";
-  for (std::string& warning : warnings)
-    if (warning.starts_with(name)) warning.erase(0, name.size());
-  return warnings;
-}
-
 /// Several recordings, a line each; of many those in front.
 std::string rows_of(const report::PlainAnswer& answer) {
   constexpr std::size_t kMostLines = 20;
@@ -87,59 +79,54 @@ std::string rows_of(const report::PlainAnswer& answer) {
 
 /// The files of an analysis in the folder, and what there is to say of it.
 /// @param files     as they were given. @param inputs  those that could be read
-/// @param detected  what there is to say of the times: text, warnings, what went wrong
+/// @param detected  of the times: text, notes, what went wrong
 Outcome write_analysis(const loop::Analysis& found, const loop::AnalyzeConfig& config,
                        const std::vector<fs::path>& files, const std::vector<fs::path>& inputs, const Outcome& detected,
                        const fs::path& folder, const Run& run) {
   report::FitInWords words = report::in_words(found.fit, found.restitution.samples, config.fit.memory);
-  Outcome fitted = fit_outcome(found.fit, words, (folder / "samples.csv").string());
-  // of constants nobody asked
-  std::erase(fitted.warnings, found.fit.constants.message);
-  const std::optional<std::string> doubt = report::doubt_of_all_drops(found.recordings);
-  if (doubt) withhold_answer(*doubt, words);
-  Outcome outcome;
-  std::vector<std::string> warnings = joined(report::warnings_of_drops(found.recordings),
-                                             report::warnings_of(found.restitution.counts, config.restitution));
-  warnings = joined(joined(warnings, fitted.warnings), detected.warnings);
-  if (files.size() == 1) report::keep_three(warnings, words);
-  choose_doubt(files.size() == 1 ? without_name(warnings, files.front()) : warnings, words);
+  const Outcome fitted = fit_outcome(found.fit, words, (folder / "samples.csv").string());
+  std::vector<Note> notes = joined(joined(report::notes_of(found.restitution.counts, config.restitution), words.notes),
+                                   detected.notes);
+  if (files.size() == 1)  // of one recording nobody needs to be told which
+    for (Note& note : notes) note.recording.clear();
+  report::order(notes);
+  take(notes, words);
   write_files(found, words, inputs, folder, run);
+  Outcome outcome;
   outcome.result = object_of(found);
   outcome.result.emplace_back("answer", value_of(words.answer));
-  outcome.result.emplace_back("warnings", warnings);
+  outcome.result.emplace_back("notes", report::values_of(notes));
   write_json(run, folder / "summary.json", outcome.result, 2, {folder / "fit.json"});
   const Outcome shown = run_report({folder, folder / "report.html", title_of(files)}, run);
-  // the answer, one doubt, where the report is: all warnings stand there and in summary.json
+  // the answer, one doubt, where the report is: all notes stand there and in summary.json
   outcome.text = lines_of(words.answer.sentences) + rows_of(words.answer) + detected.text +
                  (words.answer.doubt.empty() ? "" : words.answer.doubt + "\n") + shown.text;
-  outcome.exit_code = std::max({detected.exit_code, fitted.exit_code, doubt ? kNotUsable : 0});
+  const bool is_withheld = report::severity_of(notes.empty() ? NoteKind::of_file : notes.front().kind) == Severity::no_answer;
+  outcome.exit_code = std::max({detected.exit_code, fitted.exit_code, is_withheld ? kNotUsable : 0});
   // recordings that were left out are named also where the fit of the others fails
-  const std::string unfit = doubt.value_or(fitted.error);
+  const std::string unfit = is_withheld ? report::in_words(notes.front()) : fitted.error;
   outcome.error = detected.error + (detected.error.empty() || unfit.empty() ? "" : "; ") + unfit;
   return outcome;
 }
 
 /// Sound -> times and on.
 Outcome analyze_sound(const std::vector<fs::path>& files, const loop::AnalyzeConfig& config,
-                      std::vector<std::string> warnings, const fs::path& folder, const Run& run) {
+                      std::vector<Note> notes, const fs::path& folder, const Run& run) {
   loop::Analysis found;
   // the checksums of the provenance while the sound is searched, as a thread has time for them
   parallel_for(2, config.n_threads, [&](std::size_t work) {
     if (work == 1) return compute_sha256_ahead(files, config.n_threads);
     found = loop::analyze(files, config, stage_progress(run));
   });
-  Outcome detected = detection_outcome(found.recordings, std::move(warnings));
+  Outcome detected = detection_outcome(found.recordings, std::move(notes));
   if (!first_found(found.recordings)) return detected;
   detected.text.clear();
-  for (const detection::RecordingDetection& r : found.recordings)
-    if (r.found.status != detection::DetectionStatus::ok && r.found.status != detection::DetectionStatus::unreadable)
-      detected.warnings.push_back(printable(input_name(r.recording)) + ": " + r.found.message + "; left out");
   return write_analysis(found, config, files, readable_of(found.recordings), detected, folder, run);
 }
 
 /// Times of other programs, or of an earlier `detect`, and on.
 Outcome analyze_times(const std::vector<fs::path>& files, const loop::AnalyzeConfig& config,
-                      const ForeignFileOptions& foreign, std::vector<std::string> warnings, const fs::path& folder,
+                      const ForeignFileOptions& foreign, std::vector<Note> notes, const fs::path& folder,
                       const Run& run) {
   Outcome read;
   std::vector<std::string> taken_for;
@@ -151,11 +138,11 @@ Outcome analyze_times(const std::vector<fs::path>& files, const loop::AnalyzeCon
       onset.recording = names.name(onset.recording);
       onsets.push_back(std::move(onset));
     }
-    names.end(warnings);
+    names.end(notes);
   }
   const loop::Analysis found = loop::analyze_times(std::move(onsets), config, stage_progress(run));
   read.text = lines_of(taken_for);
-  read.warnings = std::move(warnings);
+  read.notes = std::move(notes);
   if (found.restitution.samples.empty()) {
     read.exit_code = kNotUsable;
     read.error = input_name(files.front()) + ": no three successive impacts: no coefficient of restitution";
@@ -166,15 +153,15 @@ Outcome analyze_times(const std::vector<fs::path>& files, const loop::AnalyzeCon
 
 /// Speeds that others measured, with coefficients of restitution or speeds after the bounces, and on.
 Outcome analyze_speeds(const std::vector<fs::path>& files, const AnalyzeOptions& options,
-                       const loop::AnalyzeConfig& config, std::vector<std::string> warnings, const fs::path& folder,
+                       const loop::AnalyzeConfig& config, std::vector<Note> notes, const fs::path& folder,
                        const Run& run) {
   Outcome read;
   std::vector<std::string> taken_for;
   RestitutionSamples samples =
-      read_sample_files(files, run.common.n_threads, options.restitution.foreign.table.columns, taken_for, warnings);
+      read_sample_files(files, run.common.n_threads, options.restitution.foreign.table.columns, taken_for, notes);
   name_ball(samples, config.restitution.ball, config.restitution.plate);
   read.text = lines_of(taken_for);
-  read.warnings = std::move(warnings);
+  read.notes = std::move(notes);
   return write_analysis(loop::analyze_samples(std::move(samples), config, stage_progress(run)), config, files, files,
                         read, folder, run);
 }
@@ -199,22 +186,22 @@ Outcome run_analyze(const AnalyzeOptions& options, const Run& asked) {
   Run run = asked;
   run.common.force = run.common.force || is_own_report(outputs, given);
   check_files(run, with_onsets_beside(given), outputs);
-  std::vector<std::string> warnings;
-  const std::vector<fs::path> files = each_once(given, run.common.n_threads, "recording", warnings);
+  std::vector<Note> notes;
+  const std::vector<fs::path> files = each_once(given, run.common.n_threads, "recording", notes);
   const loop::AnalyzeConfig config = analyze_config(options, run.common);
   const auto is_times = [&](const fs::path& file) {
     return holds_times(file, options.detect.config.rate_hz.has_value());
   };
   const auto n_times = std::count_if(files.begin(), files.end(), is_times);
-  if (n_times == 0) return analyze_sound(files, config, std::move(warnings), folder, run);
+  if (n_times == 0) return analyze_sound(files, config, std::move(notes), folder, run);
   if (n_times < std::ssize(files))
     throw InvalidArgument(std::find_if(files.begin(), files.end(), is_times)->string() +
                           ": holds times, other files hold sound; analyze one kind at a time");
   const ForeignFileOptions& foreign = options.restitution.foreign;
   const auto n_speeds = std::count_if(files.begin(), files.end(),
                                       [&](const fs::path& file) { return holds_speeds(file, foreign.table); });
-  if (n_speeds == std::ssize(files)) return analyze_speeds(files, options, config, std::move(warnings), folder, run);
-  return analyze_times(files, config, foreign, std::move(warnings), folder, run);
+  if (n_speeds == std::ssize(files)) return analyze_speeds(files, options, config, std::move(notes), folder, run);
+  return analyze_times(files, config, foreign, std::move(notes), folder, run);
 }
 
 }  // namespace bouncelab::cli

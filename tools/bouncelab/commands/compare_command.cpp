@@ -110,7 +110,7 @@ Origins::const_iterator row_of(const std::string& recording, const Origins& orig
 
 /// Rows of the table without a recording, and recordings without a row, are named.
 void name_origins(std::vector<fit::CampaignRecording>& recordings, const Origins& origins, const std::string& file,
-                  std::vector<std::string>& warnings) {
+                  std::vector<Note>& notes) {
   std::set<std::string> found;
   std::vector<std::string> without_row, without_samples;
   for (fit::CampaignRecording& recording : recordings) {
@@ -128,19 +128,23 @@ void name_origins(std::vector<fit::CampaignRecording>& recordings, const Origins
   for (const auto& [name, origin] : origins)
     if (!found.contains(name)) without_samples.push_back(name);
   if (!without_samples.empty())
-    warnings.push_back(name_some(without_samples, origins.size(),
-                                 "of " + table + (without_samples.size() == 1 ? " has" : " have") + " no samples"));
+    notes.push_back({NoteKind::rows_without_samples,
+                     {},
+                     name_some(without_samples, origins.size(),
+                               "of " + table + (without_samples.size() == 1 ? " has" : " have") + " no samples")});
   if (!without_row.empty())
-    warnings.push_back(name_some(without_row, recordings.size(),
-                                 std::string(without_row.size() == 1 ? "has" : "have") + " no row in " + table));
+    notes.push_back({NoteKind::no_row,
+                     {},
+                     name_some(without_row, recordings.size(),
+                               std::string(without_row.size() == 1 ? "has" : "have") + " no row in " + table)});
 }
 
 /// Impacts of recordings -> their samples.
 Outcome read_sounds(const std::vector<fs::path>& files, const CompareOptions& options, const Run& run,
                     const std::function<void(RestitutionSamples&&)>& take) {
   if (files.empty()) return {};
-  std::vector<std::string> warnings;
-  const std::vector<fs::path> once = each_once(files, run.common.n_threads, "recording", warnings);
+  std::vector<Note> notes;
+  const std::vector<fs::path> once = each_once(files, run.common.n_threads, "recording", notes);
   std::vector<detection::RecordingDetection> recordings(once.size());
   const int n_threads = kMayStartChildBesideThreads ? resolved_threads(run.common.n_threads) : 1;
   detection::detect_each(
@@ -153,12 +157,9 @@ Outcome read_sounds(const std::vector<fs::path>& files, const CompareOptions& op
     const fit::RestitutionConfig config =
         restitution_config(with_conditions_of({recording.recording}, options.restitution, run.given));
     RestitutionSamples samples = fit::restitution_samples(recording.found.onsets, config).samples;
-    if (!samples.empty())
-      take(std::move(samples));
-    else if (recording.found.status != detection::DetectionStatus::unreadable)
-      warnings.push_back(printable(input_name(recording.recording)) + ": " + recording.found.message + "; left out");
+    if (!samples.empty()) take(std::move(samples));
   }
-  return detection_outcome(recordings, std::move(warnings));
+  return detection_outcome(recordings, std::move(notes));
 }
 
 using Groups = std::vector<std::pair<std::string, RestitutionSamples>>;
@@ -226,31 +227,31 @@ Outcome run_compare(const CompareOptions& options, const Run& run) {
   std::vector<fs::path> sounds, tables;
   for (const std::string& file : options.samples) (holds_times(file, false) ? tables : sounds).emplace_back(file);
   const Outcome heard = read_sounds(sounds, options, run, take);
-  outcome.warnings = heard.warnings;
-  for_each_recording(tables, run.common.n_threads, outcome.warnings, take);
+  outcome.notes = heard.notes;
+  for_each_recording(tables, run.common.n_threads, outcome.notes, take);
   reduction.reduce();
   std::vector<fit::CampaignRecording>& recordings = reduction.recordings;
   if (!of_named_balls.empty() && !of_others.empty())
-    outcome.warnings.push_back(
-        name_some(of_others, recordings.size(),
-                  std::string(of_others.size() == 1 ? "names" : "name") +
-                      " no ball: drag and contact time are taken out of the others alone; name it (--ball)"));
+    outcome.notes.push_back({NoteKind::no_ball_named,
+                             {},
+                             name_some(of_others, recordings.size(), of_others.size() == 1 ? "names" : "name")});
   if (!of_other_conditions.empty())
-    outcome.warnings.push_back(name_some(of_other_conditions, recordings.size(),
-                                         std::string(of_other_conditions.size() == 1 ? "is" : "are") +
-                                             " of another ball, plate or gravity than the first, or otherwise "
-                                             "corrected: what differs may be that"));
+    outcome.notes.push_back(
+        {NoteKind::other_conditions,
+         {},
+         name_some(of_other_conditions, recordings.size(), of_other_conditions.size() == 1 ? "is" : "are")});
   RestitutionSamples kept;
   for (const RestitutionSamples& samples : reduction.kept) {
     fit::LeftOut left_out;
     const fit::PartOfSamples usable = fit::usable_samples(samples, left_out);
     kept.insert(kept.end(), usable->begin(), usable->end());
   }
-  if (auto twice = report::warning_of_repeated_drops(kept)) outcome.warnings.push_back(*std::move(twice));
-  name_origins(recordings, origins, options.groups, outcome.warnings);
+  if (auto twice = report::note_of_repeated_drops(kept)) outcome.notes.push_back(*std::move(twice));
+  name_origins(recordings, origins, options.groups, outcome.notes);
   fit::BetweenRecordings between = fit::compare_campaign(recordings);
-  between.notes = joined(outcome.warnings, between.notes);
-  outcome.warnings = between.notes;
+  between.notes = joined(outcome.notes, between.notes);
+  report::order(between.notes);
+  outcome.notes = between.notes;
   std::optional<fit::GroupDifferences> differences;
   if (const Groups groups = groups_of(recordings, between, reduction.kept); !groups.empty())
     differences = fit::compare_groups(groups);
@@ -267,7 +268,8 @@ Outcome run_compare(const CompareOptions& options, const Run& run) {
   outcome.error = heard.error;
   if (between.status != fit::FitStatus::ok && (!differences || differences->rows.empty())) {
     outcome.exit_code = std::max<int>(outcome.exit_code, kNotUsable);
-    const std::string& why = differences && !differences->message.empty() ? differences->message : between.message;
+    const std::optional<Note>& note = differences && differences->why ? differences->why : between.why;
+    const std::string why = note ? report::in_words(*note) : "";
     outcome.error +=
         (outcome.error.empty() ? "" : "; ") + (differences ? "" : input_name(options.samples.front()) + ": ") + why;
     return outcome;

@@ -47,7 +47,7 @@ def recording_html(recording: Any) -> str:
 
 def fit_html(fit: Any) -> str:
     """The answer in words and the curve."""
-    words = html.escape(fit.answer or fit.results["constants"]["message"])
+    words = html.escape(fit.answer or fit._why())
     first, *others = words.split("\n")
     text = f"<p><b>{first}</b></p>" + "".join(f"<p>{line}</p>" for line in others)
     if not fit.results["curve"]:

@@ -302,7 +302,7 @@ class Fit:
     @property
     def warnings(self) -> List[str]:
         """What to know before use, most important first."""
-        return self.results["warnings"]
+        return [note["text"] for note in self.results["notes"] if note["severity"] != "detail"]
 
     @property
     def answer(self) -> str:
@@ -328,7 +328,7 @@ class Fit:
         """The law with its constants as the options ``--law`` and ``law=`` take it: of the peak of the distribution."""
         values = {name: estimate.value for name, estimate in self.parameters.items()}
         if not values:
-            raise ValueError(f"the fit has no law ({self.status}): {self.results['constants']['message']}")
+            raise ValueError(f"the fit has no law ({self.status}): {self._why()}")
         kind = {"gamma": "viscoelastic", "eps": "constant"}.get(next(iter(values)), "series")
         if kind == "series":
             return "series:" + ",".join(f"{name}={value!r}" for name, value in values.items())
@@ -358,13 +358,18 @@ class Fit:
         estimate = Estimate(value, (hi95 - lo95) / (2 * 1.959963984540054), lo95, hi95)
         return Estimate(*map(float, estimate)) if speeds.ndim == 0 else estimate
 
+    def _why(self) -> str:
+        """Why there are no constants, or no fit."""
+        kinds = ("law_contradicted", "too_few_samples", "not_a_sphere", "not_converged", "not_identifiable")
+        return "; ".join(note["text"] for note in self.results["notes"] if note["kind"] in kinds)
+
     def _points(self) -> Any:
         """ln v of the points of the curve; eps, lo95 and hi95 there. Of one speed alone its node."""
         import numpy as np
 
         curve = self.results["curve"]
         if curve is None:
-            raise ValueError(f"the fit has no curve ({self.status}): {self.results['constants']['message']}")
+            raise ValueError(f"the fit has no curve ({self.status}): {self._why()}")
         points = curve["points"] or [{**node, "lo95": node["ci95"][0], "hi95": node["ci95"][1]} for node in curve["nodes"]]
         return np.log([p["v_mps"] for p in points]), [np.array([p[key] for p in points]) for key in ("eps", "lo95", "hi95")]
 
@@ -436,7 +441,7 @@ class Fit:
         return pd.DataFrame.from_dict(rows, orient="index", columns=list(Estimate._fields))
 
     def __repr__(self) -> str:
-        return f"<Fit ({self.status}): {self.results['answer']['sentences'][0] if self.answer else self.results['constants']['message']}>"
+        return f"<Fit ({self.status}): {self.results['answer']['sentences'][0] if self.answer else self._why()}>"
 
     def _repr_html_(self) -> str:
         from .notebook import fit_html
@@ -456,6 +461,9 @@ class Roughness:
     def __init__(self, results: dict):
         self.results = results
 
+    def _why(self) -> str:
+        return "; ".join(note["text"] for note in self.results["notes"] if note["kind"].startswith("memory_"))
+
     @property
     def holds(self) -> bool:
         """Whether the scatter is that of a rough ball; otherwise q means nothing."""
@@ -466,7 +474,7 @@ class Roughness:
         """q = c s2, s2 the mean square offset of the contact over the ball's radius, each component."""
         found = self.results["roughness"]
         if found is None:
-            raise ValueError(self.results["message"])
+            raise ValueError(self._why())
         return _estimate({"q": found["q"], "se": found["q_se"], "ci95": found["q_ci95"]}, "q")
 
     def to_dict(self) -> dict:
@@ -475,7 +483,7 @@ class Roughness:
 
     def __repr__(self) -> str:
         if self.results["roughness"] is None:
-            return f"<Roughness: {self.results['message']}>"
+            return f"<Roughness: {self._why()}>"
         return f"<Roughness: q = {self.q.value:.3g} ± {self.q.se:.2g}{'' if self.holds else ', does not hold'}>"
 
 

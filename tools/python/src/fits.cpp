@@ -40,7 +40,7 @@ std::string roughness(const py::dict& columns, const Arguments& arguments, const
   std::string json;
   python::run(run, progress, [&] {
     const fit::RoughnessResult result = fit::measure_roughness(samples, config);
-    json = json_text(report::object_of(result, report::warnings_of(result, samples)), 1) + "\n";
+    json = json_text(report::object_of(result, report::notes_of(result, samples)), 1) + "\n";
   });
   return json;
 }
@@ -86,7 +86,7 @@ py::dict loop(const Arguments& arguments, const py::object& progress) {
   python::run(run, progress, [&, &options = options, &run = run] { outcome = stages::run_loop(options, run); });
   py::dict result;
   result["summary"] = json_text(outcome.result, 2);
-  result["warnings"] = outcome.warnings;
+  result["warnings"] = report::texts_of(outcome.notes, Severity::warning);
   result["error"] = outcome.error;
   return result;
 }

@@ -15,7 +15,7 @@
 #include "bouncelab/core/foreign_table.hpp"
 #include "bouncelab/core/impacts.hpp"
 #include "bouncelab/detection/wave_preview.hpp"
-#include "bouncelab/report/detection.hpp"
+#include "bouncelab/report/notes.hpp"
 #include "bouncelab/synthesis/synthesize.hpp"
 #include "stages/files/foreign_files.hpp"
 #include "stages/files/sample_files.hpp"
@@ -53,7 +53,7 @@ Onsets onsets_of(const py::dict& columns) {
 }
 
 py::dict detected(std::vector<detection::Detection>& found, const std::vector<std::string>& names,
-                  std::vector<std::string> warnings) {
+                  std::vector<Note> notes) {
   Table table = to_table(Onsets{});
   stages::Recordings recordings;
   bool any = false;
@@ -65,10 +65,11 @@ py::dict detected(std::vector<detection::Detection>& found, const std::vector<st
     any = true;
   }
   py::dict result;
-  result["summary"] = json_text(stages::summary_of(recordings, warnings), 2);
-  for (const std::string& warning : report::warnings_of(recordings)) warnings.push_back(warning);
+  for (Note& note : report::notes_of(recordings, true)) notes.push_back(std::move(note));
+  report::order(notes);
+  result["summary"] = json_text(stages::summary_of(recordings, notes), 2);
   result["columns"] = columns_of(std::move(table));
-  result["warnings"] = warnings;
+  result["warnings"] = report::texts_of(notes, Severity::warning);
   return result;
 }
 
@@ -137,7 +138,7 @@ py::dict simulate(const Arguments& arguments, const py::object& progress) {
   py::dict result;
   result["columns"] = columns_of(std::move(table));
   result["summary"] = json_text(stages::summary_of(simulated, config.ball), 2);
-  result["warnings"] = simulated.warnings;
+  result["warnings"] = report::texts_of(simulated.notes, Severity::warning);
   return result;
 }
 
@@ -176,11 +177,12 @@ py::dict synthesize(const py::dict& columns, const std::string& recording, const
 py::dict detect_files(const std::vector<std::string>& names, const Arguments& arguments, const py::object& progress) {
   auto [options, run] = parse<stages::DetectOptions>(arguments);
   if (names.empty()) throw InvalidArgument("no recording is given");
-  std::vector<std::string> warnings, once;
+  std::vector<std::string> once;
+  std::vector<Note> notes;
   std::vector<detection::Detection> found;
   python::run(run, progress, [&, &options = options, &run = run] {
     const std::vector<fs::path> paths =
-        stages::each_once({names.begin(), names.end()}, run.common.n_threads, "recording", warnings);
+        stages::each_once({names.begin(), names.end()}, run.common.n_threads, "recording", notes);
     for (const fs::path& path : paths) once.push_back(path.string());
     found = detection::detect(paths, options.config, run.common.n_threads,
                               stages::progress_line(run, "detect", paths.size() == 1 ? "s of sound" : "recordings"));
@@ -190,8 +192,8 @@ py::dict detect_files(const std::vector<std::string>& names, const Arguments& ar
   };
   if (!found.empty() && std::all_of(found.begin(), found.end(), unreadable))
     throw FileError(once.front(), "none of the " + std::to_string(found.size()) +
-                                      " recordings can be read: " + found.front().message);
-  return detected(found, once, warnings);
+                                      " recordings can be read: " + found.front().notes.front().subject);
+  return detected(found, once, std::move(notes));
 }
 
 py::dict detect_samples(const py::array& array, double rate_hz, const std::string& recording,

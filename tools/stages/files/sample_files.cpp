@@ -61,15 +61,17 @@ std::vector<std::size_t> first_of_same_content(const std::vector<fs::path>& file
 }  // namespace
 
 std::vector<fs::path> each_once(const std::vector<fs::path>& files, int n_threads, const std::string& what,
-                                std::vector<std::string>& warnings) {
+                                std::vector<Note>& notes) {
   const std::vector<std::size_t> same = first_of_same_content(files, n_threads);
   std::vector<fs::path> once;
   for (std::size_t k = 0; k < files.size(); ++k)
     if (same[k] == k)
       once.push_back(files[k]);
     else
-      warnings.push_back(printable(input_name(files[k])) + ": the same " + what + " as " +
-                         printable(input_name(files[same[k]])) + " (by content); counted once");
+      notes.push_back({NoteKind::same_content,
+                       {},
+                       printable(input_name(files[k])) + ": the same " + what + " as " +
+                           printable(input_name(files[same[k]]))});
   return once;
 }
 
@@ -91,12 +93,10 @@ const std::string& RecordingNames::name(const std::string& recording) {
   return name_;
 }
 
-void RecordingNames::end(std::vector<std::string>& warnings) {
+void RecordingNames::end(std::vector<Note>& notes) {
   of_earlier_files_.merge(std::exchange(of_this_file_, {}));
   if (n_renamed_ > 0)
-    warnings.push_back(printable(file_) + ": " + std::to_string(n_renamed_) +
-                       " recordings have the names of recordings in another file: taken as others, with the file's "
-                       "name behind");
+    notes.push_back({NoteKind::renamed_recordings, {static_cast<double>(n_renamed_)}, printable(file_)});
 }
 
 namespace {
@@ -187,17 +187,15 @@ void cut_file(const fs::path& path, RecordingNames& names, std::vector<std::stri
 }  // namespace
 
 RestitutionSamples read_sample_files(const std::vector<fs::path>& paths, int n_threads, const std::string& columns,
-                                     std::vector<std::string>& taken_for, std::vector<std::string>& warnings) {
+                                     std::vector<std::string>& taken_for, std::vector<Note>& notes) {
   if (paths.size() == 1) return read_one(paths.front(), columns, taken_for);
   std::vector<SampleFile> files;
-  for (const fs::path& path : each_once(paths, n_threads, "samples", warnings))
+  for (const fs::path& path : each_once(paths, n_threads, "samples", notes))
     files.push_back({path, read_one(path, columns, taken_for)});
   if (files.size() > 1) name_recordings(files);
   const std::set<std::string> ambiguous = ambiguous_recordings(files);
   for (const std::string& name : ambiguous)
-    warnings.push_back(printable(name) +
-                       ": several files have the same drop of this recording: taken as a recording "
-                       "for each file; give the drops numbers of their own if it is one");
+    notes.push_back({NoteKind::same_drop_in_files, {}, printable(name)});
   RestitutionSamples all;
   for (SampleFile& file : files)
     for (RestitutionSample& s : file.samples) {
@@ -207,13 +205,15 @@ RestitutionSamples read_sample_files(const std::vector<fs::path>& paths, int n_t
   return all;
 }
 
-void for_each_recording(const std::vector<fs::path>& files, int n_threads, std::vector<std::string>& warnings,
+void for_each_recording(const std::vector<fs::path>& files, int n_threads, std::vector<Note>& notes,
                         const TakeRecording& take) {
   RecordingNames names;
-  for (const fs::path& file : each_once(files, n_threads, "samples", warnings)) {
+  for (const fs::path& file : each_once(files, n_threads, "samples", notes)) {
     names.begin(file);
-    cut_file(file, names, warnings, take);
-    names.end(warnings);
+    std::vector<std::string> taken_for;
+    cut_file(file, names, taken_for, take);
+    for (std::string& what : taken_for) notes.push_back({NoteKind::of_file, {}, std::move(what)});
+    names.end(notes);
   }
 }
 

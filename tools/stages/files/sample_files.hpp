@@ -16,9 +16,9 @@ namespace bouncelab::stages {
 /// The files with each content once, in their order. Content is compared by size, then by SHA-256, which the provenance
 /// needs too. A file that cannot be read has its own content.
 /// @param what      they hold: "recording"
-/// @param warnings  one line for each file that is left out
+/// @param notes  one line for each file that is left out
 std::vector<std::filesystem::path> each_once(const std::vector<std::filesystem::path>& files, int n_threads,
-                                             const std::string& what, std::vector<std::string>& warnings);
+                                             const std::string& what, std::vector<Note>& notes);
 
 /// What recordings are called whose rows come from several tables: rows without a recording are of one that is called
 /// like the file, and a recording of which an earlier file has rows is one of its own, RECORDING (FILE).
@@ -28,8 +28,8 @@ class RecordingNames {
   void begin(const std::filesystem::path& file);
   /// @param recording  as the table names it
   const std::string& name(const std::string& recording);
-  /// The file has no more rows. @param warnings  get one line where recordings were renamed
-  void end(std::vector<std::string>& warnings);
+  /// The file has no more rows. @param notes  get one line where recordings were renamed
+  void end(std::vector<Note>& notes);
 
  private:
   std::string file_, given_, name_;  // of the file, and of the last row
@@ -44,19 +44,19 @@ class RecordingNames {
 ///   - files of the same content count once
 /// @param columns    of tables that are not ours: ForeignOptions::columns
 /// @param taken_for  a line for each of those
-/// @param warnings  one line for each file that was left out and each recording that was renamed
+/// @param notes  one line for each file that was left out and each recording that was renamed
 /// @throws FileError
 RestitutionSamples read_sample_files(const std::vector<std::filesystem::path>& files, int n_threads,
                                      const std::string& columns, std::vector<std::string>& taken_for,
-                                     std::vector<std::string>& warnings);
+                                     std::vector<Note>& notes);
 
 /// Calls `take` with the samples of each recording of the files, in their order, and holds no more than one recording
 /// and a piece of the file at a time. Samples without a recording get the file's name.
 /// A recording of the same name in a later file is one of its own: `RECORDING (FILE)`. Files of the same content count
 /// once.
-/// @param warnings  one line for each file that is left out, and for each file whose recordings were renamed
+/// @param notes  one line for each file that is left out, and for each file whose recordings were renamed
 /// @throws FileError; naming the recording whose rows are not together
 void for_each_recording(const std::vector<std::filesystem::path>& files, int n_threads,
-                        std::vector<std::string>& warnings, const std::function<void(RestitutionSamples&&)>& take);
+                        std::vector<Note>& notes, const std::function<void(RestitutionSamples&&)>& take);
 
 }  // namespace bouncelab::stages

@@ -134,7 +134,7 @@ Vamp::Plugin::FeatureSet RecordingPlugin::getRemainingFeatures() {
     config.min_impacts = static_cast<std::int64_t>(min_impacts_);
     const detection::Detection found =
         detection::detect(recording_.samples(), static_cast<double>(m_inputSampleRate), "recording", config);
-    if (found.onsets.empty()) say(found.message);
+    if (found.onsets.empty()) say("no bouncing ball was found; bouncelab detect says why");
     return features(found);
   } catch (const std::exception& error) {
     say(error.what());

@@ -14,11 +14,11 @@ function resultFor(analysis, withSound) {
   const summary = JSON.parse(analysis.summary), fit = JSON.parse(analysis.fit), channel = analysis.channel;
   const recording = summary.recordings?.[0] ?? {};
   const result = {
-    summary, channel, status: recording.status, message: recording.message,
+    summary, channel, status: recording.status,
     answer: fit?.answer ?? null,
     fitted: fit && {is_one_ball: fit.is_one_ball, curve: fit.curve && {points: fit.curve.points}, causes: fit.causes},
     histograms: (fit?.histograms ?? []).filter(h => h.curve?.eps?.length),
-    warnings: [...new Set([...(withSound === null ? [] : sound.warnings), ...(summary.warnings ?? []), ...(fit?.warnings ?? [])])],
+    warnings: [...new Set([...(withSound === null ? [] : sound.warnings), ...(summary.notes ?? fit?.notes ?? []).filter(note => note.severity !== 'detail').slice(0, 3).map(note => note.text)])],
     samples: lists(analysis.samples),
     marks: marksFrom(analysis.onsets),
   };

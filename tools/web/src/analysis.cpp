@@ -8,7 +8,7 @@
 #include "bouncelab/audio/annotations.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/parallel.hpp"
-#include "bouncelab/report/detection.hpp"
+#include "bouncelab/report/notes.hpp"
 #include "bouncelab/report/page.hpp"
 #include "options.hpp"
 #include "stage_options/options.hpp"
@@ -44,22 +44,19 @@ loop::AnalyzeConfig config_of(const std::string& options_json, const std::vector
 /// @param name  of the recording or the file
 Analysis completed(loop::Analysis found, const loop::AnalyzeConfig& config, const std::string& name) {
   if (found.onsets.empty())
-    throw InvalidArgument(name + ": " + found.recordings.front().found.message +
-                          ". Listen to it: is this the recording, and the channel?");
+    throw InvalidArgument(name + ": " + report::in_words(found.recordings.front().found.notes.front()));
   if (found.restitution.samples.empty())
     throw InvalidArgument(name + ": no three successive impacts: no coefficient of restitution");
   Analysis analysis{std::move(found), {}, {}, name, {}};
   const loop::Analysis& all = analysis.found;
   analysis.words = report::in_words(all.fit, all.restitution.samples, config.fit.memory);
-  if (const auto doubt = report::doubt_of_all_drops(all.recordings)) withhold_answer(*doubt, analysis.words);
-  std::vector<std::string> warnings = report::warnings_of_drops(all.recordings);
-  for (const auto& more : {report::warnings_of(all.restitution.counts, config.restitution),
-                           report::warnings_of(all.recordings), analysis.words.warnings})
-    for (const std::string& warning : more)
-      if (std::find(warnings.begin(), warnings.end(), warning) == warnings.end()) warnings.push_back(warning);
-  report::keep_three(warnings, analysis.words);
+  std::vector<Note> notes = report::notes_of(all.restitution.counts, config.restitution);
+  for (const auto& more : {analysis.words.notes, report::notes_of(all.recordings, false)})
+    notes.insert(notes.end(), more.begin(), more.end());
+  report::order(notes);
+  take(notes, analysis.words);
   analysis.summary = object_of(all);
-  analysis.summary.emplace_back("warnings", warnings);
+  analysis.summary.emplace_back("notes", report::values_of(notes));
   return analysis;
 }
 
@@ -74,7 +71,6 @@ detection::RecordingDetection marked(Onsets onsets, const Sound& sound, const st
                                      const detection::DetectionConfig& config) {
   detection::Detection found;
   found.status = detection::DetectionStatus::ok;
-  found.message = std::to_string(onsets.size()) + " impacts as marked";
   found.summary.lossy_coding = config.lossy_coding;
   found.summary.rate_hz = sound.rate_hz;
   found.summary.n_channels = sound.n_channels;
@@ -88,7 +84,7 @@ detection::RecordingDetection marked(Onsets onsets, const Sound& sound, const st
     drops.insert(onset.drop);
   }
   found.summary.n_drops = std::ssize(drops);
-  if (!config.lossy_coding.empty()) found.warnings.push_back(detection::lossy_coding_warning(config.lossy_coding));
+  if (!config.lossy_coding.empty()) found.notes.push_back({NoteKind::lossy_coding, {}, config.lossy_coding});
   found.onsets = std::move(onsets);
   return {recording, found.onsets.size(), std::move(found)};
 }

@@ -151,12 +151,11 @@ void summarise(SynthesisResult& result, const SynthesisConfig& config, const Ins
   }
   if (!left_out_hz.empty()) {
     const auto [lowest, highest] = std::minmax_element(left_out_hz.begin(), left_out_hz.end());
-    result.warnings.push_back(std::to_string(left_out_hz.size()) + " modes from " +
-                              std::to_string(std::lround(*lowest)) + " to " + std::to_string(std::lround(*highest)) +
-                              " Hz are left out: a rate of " + std::to_string(config.rate_hz) + " Hz cannot hold them");
+    result.notes.push_back(
+        {NoteKind::modes_left_out, {static_cast<double>(left_out_hz.size()), *lowest, *highest, config.rate_hz}});
   }
   if (result.n_clipped > 0)
-    result.warnings.push_back(std::to_string(result.n_clipped) + " impacts are clipped at full scale");
+    result.notes.push_back({NoteKind::synthetic_clipped, {static_cast<double>(result.n_clipped)}});
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "bouncelab/core/description.hpp"
+#include "bouncelab/core/note.hpp"
 #include "bouncelab/core/samples.hpp"
 #include "bouncelab/core/table.hpp"
 #include "bouncelab/fit/estimate.hpp"
@@ -50,9 +51,9 @@ struct RecordingSummary {
   std::size_t n_left_out = 0;  ///< flagged, not finite, or at no positive speed
   std::size_t n_outliers = 0;  ///< more likely lost bounces than scatter
   double scatter = 0.0;        ///< mean distance of eps from eps(v) at the middle of its speeds
-  /// `ok`: v, eps and covariance are there; otherwise why not, in `message`.
+  /// `ok`: v, eps and covariance are there; otherwise `why` not.
   FitStatus status = FitStatus::too_few_samples;
-  std::string message;
+  std::optional<Note> why;
   std::size_t n_nodes = 0;  ///< 3; 1 where its speeds differ by less than a fifth
   std::array<double, 3> v_mps{}, eps{};
   std::array<std::array<double, 3>, 3> covariance{};
@@ -125,7 +126,7 @@ Description members_of(const Grouping*);
 
 /// A recording against the others.
 struct RecordingRow {
-  bool is_used = false;        ///< its own law has values; if not, the summary's message says why
+  bool is_used = false;        ///< its own law has values; if not, the summary has why
   double eps = 0.0, se = 0.0;  ///< at the reference speed, by the pooled law's shape; error of the recording
   double offset = 0.0;         ///< from the pooled law
   double standardised = 0.0;   ///< off what the other recordings predict of it, over the error of that
@@ -136,7 +137,7 @@ struct RecordingRow {
 /// What many recordings say together: the pooled law, how much the recordings differ, drift, outliers.
 struct BetweenRecordings {
   FitStatus status = FitStatus::too_few_samples;
-  std::string message;
+  std::optional<Note> why;
   std::size_t n_recordings = 0, n_used = 0, n_outliers = 0;  ///< outliers are among the used, and not in the pool
   std::size_t n_samples = 0;                                 ///< fitted, of the recordings used
   LawKind kind = LawKind::series;
@@ -154,7 +155,7 @@ struct BetweenRecordings {
   std::optional<Drift> drift;
   Grouping plates, days;
   std::vector<RecordingRow> rows;  ///< as the recordings were given
-  std::vector<std::string> notes;
+  std::vector<Note> notes;
 };
 /// Status and message apart, which stand before the answer.
 Description members_of(const BetweenRecordings*);

@@ -53,7 +53,7 @@ Description members_of(const FitConfig*);
 /// does not describe the samples.
 struct Constants {
   FitStatus status = FitStatus::too_few_samples;
-  std::string message;  ///< in words, empty where all is well
+  std::optional<Note> why;  ///< of the status; absent where all is well
   bool with_memory = false;
   std::vector<NamedEstimate> parameters;
   Matrix covariance;  ///< of `parameters`

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "bouncelab/core/description.hpp"
+#include "bouncelab/core/note.hpp"
 #include "bouncelab/core/samples.hpp"
 #include "bouncelab/fit/estimate.hpp"
 #include "bouncelab/fit/law_fit.hpp"
@@ -42,7 +43,7 @@ struct GroupDifference {
 Description members_of(const GroupDifference*);
 
 struct GroupDifferences {
-  std::string message;  ///< why there are no rows; empty where there are
+  std::optional<Note> why;  ///< why there are no rows; absent where there are
   GroupUnit unit = GroupUnit::drops;
   double ndf = 0.0;                 ///< units less groups; 0: how units of a group differ is not known
   std::optional<double> deviation;  ///< of eps between units of a group, standard deviation; 0: none seen

@@ -65,7 +65,6 @@ Description members_of(const ShapeFit*);
 /// where samples of 10 drops or more are in the window (LawFit), the law's drift within the window taken as known.
 struct HistogramFit {
   FitStatus status = FitStatus::too_few_samples;
-  std::string message;
   double v_lo_mps = 0.0, v_hi_mps = 0.0;
   double v_mps = 0.0;  ///< centre of the window, where slopes and peak refer to
   std::size_t n = 0;
@@ -81,7 +80,6 @@ struct HistogramFit {
   Bins bins;
   std::vector<CurvePoint> curve;  ///< fitted density, timing error included
   std::vector<ShapeFit> shapes;   ///< two exponentials as the paper drew them, normal, Gumbel, Student t
-  std::string verdict;            ///< which of the shapes describes the window, in words
 };
 Description members_of(const HistogramFit*);
 

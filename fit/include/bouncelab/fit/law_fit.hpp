@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "bouncelab/core/description.hpp"
+#include "bouncelab/core/note.hpp"
 #include "bouncelab/core/restitution_law.hpp"
 #include "bouncelab/core/samples.hpp"
 #include "bouncelab/fit/curve.hpp"
@@ -88,7 +89,7 @@ Description members_of(const LawComparison*);
 
 struct LawFit {
   FitStatus status = FitStatus::too_few_samples;
-  std::string message;  ///< in words, empty where all is well
+  std::optional<Note> why;  ///< of the status; absent where all is well
   LawKind kind = LawKind::series;
   std::size_t n = 0;  ///< samples used
   DropCount drops;    ///< of the samples used, and what the errors rest on
@@ -107,7 +108,7 @@ struct LawFit {
   std::vector<ResidualBin> residuals;
   std::optional<AndersonDarling> anderson_darling;
   std::vector<LawComparison> comparison;  ///< the law itself first
-  std::vector<std::string> notes;         ///< what was asked for and could not be had
+  std::vector<Note> notes;                ///< what was asked for and could not be had
   /// Beside the smooth curve (fit_all), where it describes the mean of eps or the peak of the scatter.
   std::optional<LawMisfit> misfit;
   std::optional<RestitutionLaw> law;  ///< usable wherever a law is wanted; absent where the fit failed

@@ -11,6 +11,7 @@
 
 #include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/description.hpp"
+#include "bouncelab/core/note.hpp"
 #include "bouncelab/core/restitution_law.hpp"
 #include "bouncelab/core/samples.hpp"
 #include "bouncelab/fit/estimate.hpp"
@@ -58,7 +59,7 @@ struct DropsTest {
 /// is that of a rough ball, which the tests judge.
 struct MemoryFit {
   FitStatus status = FitStatus::too_few_samples;
-  std::string message;                    ///< in words, empty where all is well
+  std::vector<Note> objections;           ///< why there is no result, or what speaks against it
   std::size_t n = 0;                      ///< impacts used
   std::size_t n_drops = 0;                ///< they are of
   std::size_t n_chains = 0;               ///< pieces of drops without a missing impact

@@ -46,7 +46,7 @@ struct RecordingFit {
   std::size_t n_drops = 0;
   double v_lo_mps = 0.0, v_hi_mps = 0.0;  ///< of its samples
   FitStatus status = FitStatus::too_few_samples;
-  std::string message;  ///< in words, empty where all is well
+  std::optional<Note> why;  ///< of the status; absent where all is well
   LawKind kind = LawKind::series;
   std::vector<NodeEstimate> nodes;  ///< the pooled fit's where its speeds reach; else its median speed
   std::vector<NamedEstimate> parameters;

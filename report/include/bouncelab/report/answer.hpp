@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "bouncelab/core/description.hpp"
+#include "bouncelab/core/note.hpp"
 #include "bouncelab/core/samples.hpp"
 #include "bouncelab/fit/fit.hpp"
 
@@ -80,36 +81,31 @@ Description members_of(const Finding*);
 
 struct FitInWords {
   PlainAnswer answer;
-  std::vector<std::string> warnings;  ///< what may make another answer, most important first, at most three
-  std::vector<std::string> details;   ///< what else is to be said of the data and of the constants
-  std::vector<Cause> causes;          ///< the three, largest first; empty without an answer
-  std::vector<Finding> findings;      ///< how eps depends on speed, how sure, what limits it ...; empty without a law
+  std::vector<Note> notes;        ///< the most severe first
+  std::vector<Cause> causes;      ///< the three, largest first; empty without an answer
+  std::vector<Finding> findings;  ///< how eps depends on speed, how sure, what limits it ...; empty without a law
 };
 Description members_of(const FitInWords*);
-
-/// Leaves no answer: `why`, not empty and without its full stop, stands in its place.
-void withhold_answer(const std::string& why, FitInWords& words);
 
 /// @param samples  all that were given to the fit, in any order, also those that it left out
 /// @param memory   as the fit was asked for: a fit with memory that does not hold is worth a warning where it was
 FitInWords in_words(const fit::FitResult& result, const RestitutionSamples& samples,
                     fit::UseMemory memory = fit::UseMemory::where_long);
 
-/// Drops that have the bounces of others, in words; absent where there are none (fit::repeated_drops).
-std::optional<std::string> warning_of_repeated_drops(const RestitutionSamples& used);
+/// Where a note leaves no answer it stands in its place; else the first warning that the answer does not say itself, or
+/// what most of the uncertainty is, becomes its doubt.
+/// @param notes  of the recordings and of the fit, ordered
+void take(const std::vector<Note>& notes, FitInWords& words);
 
-/// The first of the warnings that the answer does not say itself, as a sentence, becomes the answer's doubt.
-void choose_doubt(const std::vector<std::string>& warnings, FitInWords& words);
+/// What a user should know of a fit and of its samples, ordered.
+std::vector<Note> notes_of(const fit::FitResult& result, const RestitutionSamples& samples, fit::UseMemory memory);
+/// Of a measured roughness. @param samples  all that it was measured from
+std::vector<Note> notes_of(const fit::RoughnessResult& result, const RestitutionSamples& samples);
+/// Drops that have the bounces of others; absent where there are none (fit::repeated_drops).
+std::optional<Note> note_of_repeated_drops(const RestitutionSamples& used);
 
 /// "a.wav: ε = 0.9477 ± 0.0003 (95 %: 0.9470 to 0.9484) at 0.25 m/s", or why there is none.
 std::string in_words(const RecordingAnswer& recording);
-
-/// All warnings of one recording, its detection's among them, most important first: three remain, the others become
-/// details, and `words` has those of its own that remain.
-void keep_three(std::vector<std::string>& warnings, FitInWords& words);
-
-/// Warnings of a measured roughness. @param samples  all that it was measured from
-std::vector<std::string> warnings_of(const fit::RoughnessResult& result, const RestitutionSamples& samples);
 
 /// What samples say of their drops.
 /// @param samples  in any order
@@ -121,6 +117,8 @@ std::string asked_rebound(const ReboundRule& rule);
 /// Do the recordings agree: with p, and where they do not with the least and the greatest eps. Empty where there is one
 /// recording.
 std::string in_words(const fit::Recordings& recordings);
+/// What speaks against the fit with memory, or why there is none; empty where nothing does.
+std::string objections_in_words(const fit::MemoryFit& memory);
 /// Do the fluctuations remember? A sentence with its tests, and where they do not what to use instead.
 std::string in_words(const fit::MemoryFit& memory);
 /// "q = 1.40e-06 ± 5e-08 (95 %: 1.3e-06 to 1.5e-06), rms tilt of the contact's normal 0.11 degrees without slip"
@@ -129,6 +127,6 @@ std::string in_words(const fit::Roughness& roughness);
 /// fit.json: the words, then everything of the fit.
 Object object_of(const fit::FitResult& result, const FitInWords& words);
 /// roughness.json
-Object object_of(const fit::RoughnessResult& result, const std::vector<std::string>& warnings);
+Object object_of(const fit::RoughnessResult& result, const std::vector<Note>& notes);
 
 }  // namespace bouncelab::report

@@ -14,6 +14,7 @@
 #include "bouncelab/core/description.hpp"
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/impacts.hpp"
+#include "bouncelab/core/note.hpp"
 #include "bouncelab/core/parallel.hpp"
 #include "bouncelab/core/restitution_law.hpp"
 #include "bouncelab/sim/contact.hpp"
@@ -94,7 +95,7 @@ struct SimulationResult {
   std::array<std::int64_t, 4> n_ended{};  ///< drops by DropEnd
   std::int64_t n_impacts = 0;
   std::int64_t n_smooth = 0;  ///< impacts of the smooth sphere between the asperities
-  std::vector<std::string> warnings;
+  std::vector<Note> notes;
 };
 /// Its counts and energies.
 Description members_of(const SimulationResult*);

@@ -11,6 +11,7 @@
 
 #include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/description.hpp"
+#include "bouncelab/core/note.hpp"
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/onsets.hpp"
 #include "bouncelab/core/parallel.hpp"
@@ -36,7 +37,7 @@ enum class DetectionStatus {
   ok,               ///< at least one track of impacts
   too_few_impacts,  ///< candidates, but no track of at least min_impacts among them
   silent,           ///< nothing rises above the noise
-  unreadable,       ///< one of several files that could not be read; the message says why
+  unreadable,       ///< one of several files that could not be read; its note says why
 };
 
 /// The words of summary.json: "ok", "too_few_impacts", ...
@@ -110,8 +111,7 @@ struct Detection {
   std::optional<LearnedWave> wave;
   std::optional<NoiseSpectrum> noise;
   DetectionStatus status = DetectionStatus::silent;
-  std::string message;                ///< one line: what was found, or why not
-  std::vector<std::string> warnings;  ///< one line each
+  std::vector<Note> notes;  ///< what limits the times; where there are none, why
 };
 
 /// One of several recordings. Of very many the onsets, wave and noise need not be kept.
@@ -123,9 +123,6 @@ struct RecordingDetection {
 Description members_of(const RecordingDetection*);
 /// The first recording in which impacts were found; nullptr where there is none.
 const RecordingDetection* first_found(const std::vector<RecordingDetection>& recordings);
-
-/// What is to be said of the times in sound of a RecordingSummary::lossy_coding; one line.
-std::string lossy_coding_warning(const std::string& coding);
 
 /// Impact times of bouncing balls in one recording: several drops one after the other, each a track of impacts with
 /// intervals T_{k+1} = eps_k T_k, where eps_k varies slowly but for single losses and gains.

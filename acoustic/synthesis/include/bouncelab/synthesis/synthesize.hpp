@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "bouncelab/core/description.hpp"
+#include "bouncelab/core/note.hpp"
 #include "bouncelab/core/parallel.hpp"
 #include "bouncelab/synthesis/synthetic_recording.hpp"
 
@@ -37,7 +38,7 @@ struct SynthesisResult {
   Levels levels;
   double duration_s = 0.0;            ///< of all files
   int n_modes = 0;                    ///< of ground, below half the sample rate and max_mode_hz
-  std::vector<std::string> warnings;  ///< modes that the rate cannot hold, clipped impacts ...
+  std::vector<Note> notes;  ///< modes that the rate cannot hold, clipped impacts
 };
 Description members_of(const SynthesisResult*);
 
