@@ -274,9 +274,7 @@ std::string of_missing(const FitResult& result, const RestitutionSamples& sample
 }  // namespace
 
 std::string asked_rebound(const ReboundRule& rule) {
-  return (rule.most_m ? formatted("%.4g to %.4g", 100.0 * rule.least_m, 100.0 * *rule.most_m)
-                      : formatted("at least %.3g", 100.0 * rule.least_m)) +
-         " cm";
+  return formatted("%.4g to %.4g cm", 100.0 * rule.least_m, 100.0 * rule.most_m);
 }
 
 const char* measured_in_words(const SampleConditions& conditions) {

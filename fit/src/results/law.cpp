@@ -206,9 +206,8 @@ Description members_of(const Curve*) {
 }
 
 std::optional<bool> Rebound::is_within() const {
-  const double most_m = rule.most_m.value_or(HUGE_VAL);
-  if (height_m.ci95->lo >= rule.least_m && height_m.ci95->hi <= most_m) return true;
-  if (height_m.ci95->hi < rule.least_m || height_m.ci95->lo > most_m) return false;
+  if (height_m.ci95->lo >= rule.least_m && height_m.ci95->hi <= rule.most_m) return true;
+  if (height_m.ci95->hi < rule.least_m || height_m.ci95->lo > rule.most_m) return false;
   return std::nullopt;
 }
 

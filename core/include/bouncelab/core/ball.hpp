@@ -96,8 +96,7 @@ std::optional<ContactDuration> contact_duration(const Ball& ball, const std::opt
 struct ReboundRule {
   std::string by;  ///< who asks for it
   double height_m = 0.0;
-  double least_m = 0.0;
-  std::optional<double> most_m;
+  double least_m = 0.0, most_m = 0.0;
   std::string floor;
   std::string source;  ///< with its edition
 };

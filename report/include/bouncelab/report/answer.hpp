@@ -112,7 +112,7 @@ std::string in_words(const RecordingAnswer& recording);
 /// @param heights  of the fit to them, if the first impact heard was the first
 DropsSeen drops_seen(const RestitutionSamples& samples, const std::vector<fit::ReleaseHeight>& heights);
 
-/// "135 to 147 cm", "at least 30.5 cm"
+/// "135 to 147 cm"
 std::string asked_rebound(const ReboundRule& rule);
 /// Do the recordings agree: with p, and where they do not with the least and the greatest eps. Empty where there is one
 /// recording.
