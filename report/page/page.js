@@ -54,7 +54,7 @@ function figures() {
                         ' Below: their ratio; 1 would be a symmetric p(ε).'), shown, theory);
   } else if (histograms.length) {
     add('h2', {}, 'Distribution of ε at fixed speed');
-    add('p', {class: 'caption'}, 'Too few samples at any one speed: ' + histograms.map(h => `${number(h.n)} at ${number(h.v_mps, 2)} m/s`).join(', ') + '.');
+    add('p', {class: 'caption'}, ['Too few samples at any one speed', histograms.filter(h => h.n).map(h => `${number(h.n)} at ${number(h.v_mps, 2)} m/s`).join(', ')].filter(Boolean).join(': ') + '.');
   }
   theorySection(theory);
   reservoirSection(summary && summary.reservoir);
