@@ -68,12 +68,19 @@ function causesBox(causes) {
     return element('div', {}, element('span', {}, c.name), element('span', {class: 'bar'}, bar), element('span', {}, known(c.size) ? number(c.size, 2) + (c.is_seen ? '' : ', not seen') : 'not known'));
   });
   return element('section', {class: 'causes', id: 'causes', 'aria-labelledby': 'causes-title'}, element('h2', {id: 'causes-title'}, 'Why is it not the same at every bounce?'),
-                 causes.map(c => element('p', {}, c.sentence)), element('div', {class: 'bars'}, bars), element('p', {class: 'caption'}, 'How much each changes ε in this recording.'));
+                 causes.map(c => element('p', {}, c.sentence)), element('div', {class: 'bars'}, bars), element('p', {class: 'caption'}, 'How much each changes ε here.'));
+}
+
+function pointsCaption() {
+  const withError = `with the error that ${sourceOfErrors(fit.answer)} alone gives them`;
+  if (samples.measured === 'speeds') return `Points: bounces, ${withError}.`;
+  const [flights, taken, all] = samples.measured === 'heights' ? ['heights', 'the air', 'is'] : ['intervals', 'air and contact', 'are'];
+  return samples.of_intervals ? `Points: bounces, as their ${flights} have them, ${withError}; in line and band ${taken} ${all} taken out, as far as known of a ball without a name.`
+                              : `Points: bounces, without what ${taken} did to their ${flights}, ${withError}.`;
 }
 
 function lawCaption() {
-  const errors = sourceOfErrors(fit.answer);
-  return (few ? (samples.of_intervals ? `Points: bounces, as their intervals have them, with the error that ${errors} alone gives them; line and band have the air and the contacts taken out, as far as they are known of a ball without a name.` : `Points: bounces, without what air and contact did to their intervals, with the error that ${errors} alone gives them.`) : 'Colour: number of bounces in each cell, on a logarithmic scale.') +
+  return (few ? pointsCaption() : 'Colour: number of bounces in each cell, on a logarithmic scale.') +
       (answerCurve(fit).length ? ' Line and band: ε(v), the root mean square of the bounces at each speed, with its 95 % range.' : '') +
       (summary && summary.truth_curve ? ' Dashes: the law that went in, at the point of contact; the most frequent ε follows it.' : '');
 }

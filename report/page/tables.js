@@ -32,8 +32,8 @@ function curveTable() {
                ...(curve.contact_s ? [`contact time ${within(curve.contact_s, 1e3, ' ms')}`] : [])];
   table('ε at some speeds', ['speed', 'ε ± standard error', '95% interval', 'energy lost', ...others.map(name => `${name} of ε`)],
         curve.nodes.map(n => [speed(n.v_mps), measured(n.eps, n.se), interval(n.ci95), `${(100 * (1 - n.eps ** 2)).toFixed(1)} %`, ...others.map(name => measured(n[name], n[`${name}_se`]))]),
-        `ε is the root mean square over bounces, √⟨ε²⟩: energy lost is 1 − ε². ${scatter.join('; ')}.` + (air.length ? ` Taken out of the intervals, at 1 m/s (95 %): ${air.join(', ')}.` : '') +
-        (curve.n_drops === 1 ? ' All of this drop: others may differ.' : ''));
+        `ε is the root mean square over bounces, √⟨ε²⟩: energy lost is 1 − ε². ${scatter.join('; ')}.` + (air.length ? ` Taken out, at 1 m/s (95 %): ${air.join(', ')}.` : '') +
+        (curve.n_drops === 1 && samples?.measured !== 'speeds' ? ' All of this drop: others may differ.' : ''));
 }
 
 const isDetermined = name => (constants.parameters || []).includes(name) && constants[name].identified !== false;

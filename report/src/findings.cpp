@@ -130,7 +130,9 @@ std::string limits(const FitResult& r, const std::string& measured) {
   const double contact = r.curve->share_of_contact, drag = r.curve->share_of_drag;
   const CurveNode& middle = r.curve->nodes[r.curve->nodes.size() / 2];
   if (middle.eps.se) {
-    const bool drops_differ = r.curve->scatter_of_drops.value_or(0.0) > 0.5 * r.curve->scatter;
+    const double differ = r.curve->scatter_of_drops.value_or(0.0);
+    const bool drops_differ = differ > 0.5 * r.curve->scatter &&
+                              differ > 0.5 * *middle.eps.se * std::sqrt(static_cast<double>(r.curve->n_drops));
     text += formatted(" Of %zu bounces", r.n_used) +
             (r.curve->n_drops > 1 ? formatted(" in %zu drops", r.curve->n_drops) : "") +
             formatted(" that leaves a standard error of %.1e at %.2g m/s; four times as many ",

@@ -44,8 +44,10 @@ void note_drops_that_differ(const FitResult& result, Notes& notes) {
   constexpr double kOfLost = 0.05;
   if (!result.is_one_ball || !result.curve || !result.curve->scatter_of_drops) return;
   const Curve& curve = *result.curve;
-  const double differ = *curve.scatter_of_drops, eps = curve.nodes[curve.nodes.size() / 2].eps.value;
-  if (differ < curve.scatter || differ < kOfLost * (1.0 - eps)) return;
+  const Estimate& eps = curve.nodes[curve.nodes.size() / 2].eps;
+  const double differ = *curve.scatter_of_drops, of_interval = differ / std::sqrt(static_cast<double>(curve.n_drops));
+  if (differ < curve.scatter || differ < kOfLost * (1.0 - eps.value)) return;
+  if (of_interval < 0.5 * eps.se.value_or(0.0)) return;  // large errors of the times, of a stop watch, make it wide
   notes.push_back({NoteKind::drops_differ, {static_cast<double>(curve.n_drops), differ, curve.scatter}});
 }
 

@@ -13,6 +13,7 @@
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/fit/histogram_fit.hpp"
 #include "bouncelab/fit/restitution.hpp"
+#include "words.hpp"
 
 namespace bouncelab::report {
 namespace {
@@ -76,7 +77,11 @@ std::string samples_json(RestitutionSamples samples, const std::string& fit_json
     eps.emplace_back(sample.eps);
     sigma_eps.emplace_back(sample.sigma_eps ? Value(errors * *sample.sigma_eps) : Value());
   }
-  return json_text(Object{{"v_mps", v_mps}, {"eps", eps}, {"sigma_eps", sigma_eps}, {"of_intervals", of_intervals}});
+  return json_text(Object{{"v_mps", v_mps},
+                          {"eps", eps},
+                          {"sigma_eps", sigma_eps},
+                          {"of_intervals", of_intervals},
+                          {"measured", samples.empty() ? "" : measured_in_words(samples.front().conditions)}});
 }
 
 std::string render(const ReportInput& input) {

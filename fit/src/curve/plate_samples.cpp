@@ -45,22 +45,29 @@ struct Drop {
   std::map<std::int64_t, std::pair<double, double>> onsets;  ///< sum of sigma_t^2, number of samples
 };
 
-/// v and eps of a drop's rows by a smooth train: ln T quadratic in the number of the impact, weighted by T^2. About it
-/// eps is linear in large errors of the times, which then cancel from row to row as they do in the sum of intervals.
+/// v and eps of a drop's rows by a smooth train: ln T quadratic in the number of the impact, by least squares of T,
+/// which has normal errors where ln T has not. About it eps is linear in large errors of the times, which then cancel
+/// from row to row as they do in the sum of intervals.
 void smooth(RestitutionSamples& rows) {
   const auto n = static_cast<Eigen::Index>(rows.size());
   constexpr Eigen::Index kEnoughToBend = 5;
   const Eigen::Index n_powers = n >= kEnoughToBend ? 3 : 2;
   Eigen::MatrixXd powers(n + 1, n_powers);
-  Eigen::VectorXd ln_v(n + 1);
+  Eigen::VectorXd v_mps(n + 1), of;
   const auto power_row = [&](double k) { return Eigen::RowVector3d(1.0, k, k * k).head(n_powers).eval(); };
   for (Eigen::Index k = 0; k <= n; ++k) {
     const RestitutionSample& s = rows[static_cast<std::size_t>(std::min(k, n - 1))];
-    const double v_mps = k < n ? s.v_mps : s.v_mps * std::max(s.eps, 0.05);
-    ln_v[k] = v_mps * log(v_mps);
-    powers.row(k) = v_mps * power_row(static_cast<double>(s.impact - rows.front().impact + (k < n ? 0 : 1)));
+    v_mps[k] = k < n ? s.v_mps : s.v_mps * std::max(s.eps, 0.05);
+    powers.row(k) = power_row(static_cast<double>(s.impact - rows.front().impact + (k < n ? 0 : 1)));
   }
-  const Eigen::VectorXd of = least_squares(powers, ln_v);
+  constexpr int kTurns = 6;  // of Gauss and Newton, from the measured ones
+  Eigen::VectorXd train = v_mps;
+  for (int turn = 0; turn < kTurns; ++turn) {
+    const Eigen::VectorXd off = v_mps - train, ln_train = train.array().log();
+    of = least_squares(train.asDiagonal() * powers, train.cwiseProduct(ln_train) + off);
+    const double most_mps = v_mps.maxCoeff();
+    train = (powers * of).array().exp().max(0.01 * most_mps).min(3.0 * most_mps);  // wherever a turn may lead
+  }
   for (RestitutionSample& s : rows) {
     const auto at = [&](std::int64_t impact) {
       return power_row(static_cast<double>(impact - rows.front().impact)).dot(of);

@@ -41,7 +41,7 @@ Command analyze_command() {
       member<&DetectOptions::recordings>(
           "recordings",
           "Recordings: WAV, FLAC, MP3 ...; m4a, mp4 and others by ffmpeg; .npy, .csv of samples; - = standard input; "
-          "or tables of impact times or intervals and marks, of any program")
+          "or tables of impact times, intervals, heights or speeds, and marks, of any program")
           .positional(),
       kList};
   static constexpr Member outputs[]{
@@ -55,9 +55,10 @@ Command analyze_command() {
   auto options = std::make_shared<O>();
   return {
       "analyze",
-      "Recordings, or impact times -> eps(v) -> constants and a report; nothing has to be set",
+      "Recordings, or times, heights, speeds -> eps(v) -> constants and a report; nothing has to be set",
       "Example: bouncelab analyze drop.wav --out out/drop\n"
-      "         bouncelab analyze times.csv --ball table-tennis",
+      "         bouncelab analyze times.csv --ball table-tennis\n"
+      "         bouncelab analyze heights.csv --as heights --unit m   # 1, .81, .66: release, then each bounce",
       {{"", recordings, &options->detect},
        {"", outputs, options.get()},
        ball_section(options->restitution.world, "not known, so that drag and contact time stay open",

@@ -26,7 +26,7 @@ function middle(values, share) {
 /// @param truth  {v, eps} of what was simulated, or null
 export function drawLaw(result, truth) {
   const {samples} = result, curve = answerCurve(result.fitted), used = (samples.v_mps ?? []).map((_, k) => k).filter(k => !samples.flags?.[k] && Number.isFinite(samples.eps[k]));
-  const v = used.map(k => samples.v_mps[k]), eps = used.map(k => samples.eps[k]), sigma = used.map(k => samples.sigma_eps?.[k]);
+  const v = used.map(k => samples.v_mps[k]), eps = used.map(k => samples.eps[k]), errors = result.fitted?.curve?.errors_over_digits ?? 1, sigma = used.map(k => errors * samples.sigma_eps?.[k]);
   const hasBand = curve.length && Number.isFinite(curve[0].lo95);
   const y = paddedRange([...middle(eps, 0.02), ...curve.flatMap(p => hasBand ? [p.lo95, p.hi95] : [p.eps])], 0.1);
   const outside = eps.filter(e => e < y[0] || e > y[1]).length;
