@@ -47,6 +47,8 @@ function firstScreen() {
   if (answer) {
     const [lead, ...rest] = answer.sentences;
     words.append(element('p', {class: 'lead'}, lead), ...[...rest, ...(answer.doubt ? [withoutPaths(answer.doubt)] : [])].map(s => element('p', {}, s)));
+    const taken = (summary && summary.taken) || fit.taken || [];
+    if (taken.length) words.append(element('p', {class: 'caption'}, `Taken: ${taken.map(t => `${t.what} ${t.value}`).join(', ')}.`));
     if (explanations(answer)) words.append(element('p', {class: 'caption'}, explanations(answer)));
   }
   const hasCurve = answerCurve(fit).length;

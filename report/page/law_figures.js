@@ -9,11 +9,23 @@ function band(curve, color, name) {
 }
 function centres(edges) { return edges.slice(1).map((right, k) => 0.5 * (right + edges[k])); }
 
+/// The values of ε that matter: those within four standard deviations of a bounce about the curve, and its band.
+function epsRange() {
+  const curve = answerCurve(fit);
+  if (!few || !curve.length || !(fit.curve.scatter > 0)) return null;
+  const reach = 4 * fit.curve.scatter, within = samples.eps.filter((eps, k) => Math.abs(eps - nearest(curve, samples.v_mps[k]).eps) <= reach);
+  const all = [...within, ...curve.flatMap(p => [p.lo95, p.hi95, p.eps])].filter(known), lo = Math.min(...all), hi = Math.max(...all), margin = 0.06 * (hi - lo || 0.01);
+  return [lo - margin, hi + margin];
+}
+const nearest = (curve, v) => curve.reduce((best, p) => Math.abs(Math.log(p.v_mps / v)) < Math.abs(Math.log(best.v_mps / v)) ? p : best);
+
 function samplesTrace() {
-  if (few)
-    return {x: samples.v_mps, y: samples.eps, mode: 'markers', type: 'scatter', name: 'bounces',
-            error_y: {type: 'data', array: samples.sigma_eps, thickness: 1, width: 0, color: grey},
+  if (few) {
+    const range = epsRange(), inside = samples.eps.map(eps => !range || (eps >= range[0] && eps <= range[1])), shown = list => list.filter((_, k) => inside[k]);
+    return {x: shown(samples.v_mps), y: shown(samples.eps), mode: 'markers', type: 'scatter', name: 'bounces',
+            error_y: {type: 'data', array: shown(samples.sigma_eps), thickness: 1, width: 0, color: grey},
             marker: {size: 6, color: blue}, hovertemplate: 'v = %{x:.4f} m/s<br>ε = %{y:.5f}<extra></extra>'};
+  }
   const {counts, v_edges_mps, eps_edges} = fit.density;
   const z = counts.map(row => row.map(n => n > 0 ? Math.log10(n) : null));
   const most = Math.max(1, Math.ceil(Math.max(...counts.flat().map(n => n > 0 ? Math.log10(n) : 0))));
@@ -21,6 +33,17 @@ function samplesTrace() {
   return {type: 'heatmap', x: centres(v_edges_mps), y: centres(eps_edges), z, text: counts, zmin: 0, colorscale: depth,
           colorbar: {title: {text: 'bounces', side: 'right'}, tickvals: ticks, ticktext: ticks.map(t => number(10 ** t)), thickness: 12, len: 0.9},
           hovertemplate: 'v = %{x:.3f} m/s<br>ε = %{y:.4f}<br>%{text} bounces<extra></extra>'};
+}
+
+/// Bounces beyond the range that is drawn, as arrows at its ends.
+function beyondTraces(range) {
+  if (!range) return [];
+  const beyond = (far, y, symbol) => {
+    const k = samples.eps.map((_, i) => i).filter(i => far(samples.eps[i]));
+    return k.length ? [{x: k.map(i => samples.v_mps[i]), y: k.map(() => y), mode: 'markers', type: 'scatter', name: `${k.length} beyond`, cliponaxis: false,
+                        marker: {size: 10, color: blue, symbol}, text: k.map(i => samples.eps[i].toFixed(3)), hovertemplate: 'v = %{x:.4f} m/s<br>ε = %{text}<extra></extra>'}] : [];
+  };
+  return [...beyond(eps => eps > range[1], range[1], 'triangle-up'), ...beyond(eps => eps < range[0], range[0], 'triangle-down')];
 }
 
 /// Figure 1 (top) of the paper: how often which eps was found at which speed, with the law.
@@ -41,7 +64,8 @@ function drawLaw(parent) {
     traces.push({x: peaks.map(h => h.v_mps), y: peaks.map(h => h.peak_eps.value), mode: 'markers', type: 'scatter', name: 'most frequent ε',
                  error_y: {type: 'data', array: peaks.map(h => h.peak_eps.se), thickness: 1.4, width: 3, color: orange},
                  marker: {color: orange, size: 7, line: {color: 'white', width: 1}}, hovertemplate: 'v = %{x:.2f}<br>peak %{y:.5f}<extra></extra>'});
-  const range = fit && fit.density && !few ? [fit.density.eps_edges[0], fit.density.eps_edges.at(-1)] : undefined;
+  const range = fit && fit.density && !few ? [fit.density.eps_edges[0], fit.density.eps_edges.at(-1)] : epsRange() ?? undefined;
+  if (few) traces.push(...beyondTraces(range));
   draw(parent, '', traces, {xaxis: axis('normal impact speed v (m/s)'), yaxis: axis('coefficient of restitution ε', {range}), showlegend: true});
 }
 

@@ -3,16 +3,48 @@
 
 #include <algorithm>
 
+#include "bouncelab/core/ball.hpp"
+#include "bouncelab/core/text.hpp"
+
 #include "words.hpp"
 
 namespace bouncelab::report {
 
 FitInWords in_words(const fit::FitResult& result, const RestitutionSamples& samples, fit::UseMemory memory) {
   const SampleConditions conditions = samples.empty() ? SampleConditions{} : samples.front().conditions;
-  FitInWords words{plain_answer(result, samples), notes_of(result, samples, memory), {},
-                   findings_of(result, conditions)};
+  FitInWords words{
+      plain_answer(result, samples), taken_of(samples), notes_of(result, samples, memory), {},
+      findings_of(result, conditions)};
   words.causes = causes_of(result, words.answer, samples);
   return words;
+}
+
+std::vector<Taken> taken_of(const RestitutionSamples& samples) {
+  if (samples.empty()) return {};
+  const SampleConditions& of = samples.front().conditions;
+  std::vector<Taken> taken{{"ball", of.ball ? to_text(*of.ball) : "not known"},
+                           {"plate", of.plate ? plate_text(*of.plate) : "not known"}};
+  if (of.gravity_mps2) taken.push_back({"gravity", formatted("%.6g m/s^2", *of.gravity_mps2)});
+  if (of.of_flights())
+    taken.push_back({"air", of.drag_corrected
+                                ? "none"
+                                : formatted("%.4g kg/m^3", of.air_kgpm3.value_or(Air{}.density_kgpm3))});
+  return taken;
+}
+
+std::vector<Taken> taken_of(const detection::RecordingDetection& recording) {
+  const detection::RecordingSummary& of = recording.found.summary;
+  std::vector<Taken> taken;
+  if (of.n_tracks > 1) taken.push_back({"track", formatted("%d of %d", of.track, of.n_tracks)});
+  if (of.n_channels > 1)
+    taken.push_back({"channel", formatted("%d of %d (", of.channel, of.n_channels) + of.channel_reason + ")"});
+  return taken;
+}
+
+std::string in_words(const std::vector<Taken>& taken) {
+  std::string text;
+  for (const Taken& one : taken) text += (text.empty() ? "Taken: " : ", ") + one.what + " " + one.value;
+  return text.empty() ? text : text + ".";
 }
 
 void take(const std::vector<Note>& notes, FitInWords& words) {
@@ -31,6 +63,12 @@ void take(const std::vector<Note>& notes, FitInWords& words) {
            note.kind == NoteKind::uncertain_contact;
   });
   if (first != notes.end() && !answer.sentences.empty()) answer.doubt = as_sentence(*first);
+}
+
+Description members_of(const Taken*) {
+  static constexpr Member all[]{member<&Taken::what>("what", "The option that gives it"),
+                                member<&Taken::value>("value", "In words, `not known` where nothing is")};
+  return all;
 }
 
 Description members_of(const DropsSeen*) {
@@ -122,6 +160,9 @@ Description members_of(const FitInWords*) {
   using W = FitInWords;
   static constexpr Member all[]{
       member<&W::answer>("answer", "The result for somebody who dropped a ball, see [below](#answer)"),
+      member<&W::taken>("taken",
+                        "`[{what, value}]`: what enters the numbers and did not stand on the command line, defaults "
+                        "and what files say"),
       computed(
           "notes", [](const W& w) { return values_of(w.notes); },
           "`[{kind, severity, text}]`, the most severe first: what a user should know, see [notes](#notes)"),

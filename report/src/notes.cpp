@@ -198,17 +198,28 @@ std::string name_of(const detection::RecordingDetection& r) { return printable(i
 
 Severity severity_of(NoteKind kind) { return wording_of(kind).severity; }
 
-std::string in_words(const Note& note) {
+/// The words with what `fill` makes of each place.
+template <class Fill>
+static std::string filled_words(std::string_view words, Fill fill) {
   std::string text;
-  std::string_view words = wording_of(note.kind).words;
   while (true) {
     const std::size_t begin = words.find('{');
     text += words.substr(0, begin);
     if (begin == std::string_view::npos) return text;
     const std::size_t end = words.find('}', begin);
-    text += filled(words.substr(begin + 1, end - begin - 1), note);
+    text += fill(words.substr(begin + 1, end - begin - 1));
     words.remove_prefix(end + 1);
   }
+}
+
+std::string in_words(const Note& note) {
+  return filled_words(wording_of(note.kind).words, [&](std::string_view place) { return filled(place, note); });
+}
+
+std::string pattern_of(NoteKind kind) {
+  return filled_words(wording_of(kind).words, [](std::string_view place) {
+    return place.size() > 1 && place[1] == '|' ? std::string(place.substr(place.find('|', 2) + 1)) : "...";
+  });
 }
 
 std::string as_sentence(const Note& note) {

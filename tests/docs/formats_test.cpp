@@ -17,6 +17,7 @@
 #include "bouncelab/loop/loop.hpp"
 #include "bouncelab/report/answer.hpp"
 #include "bouncelab/report/conclusions.hpp"
+#include "bouncelab/report/notes.hpp"
 #include "bouncelab/synthesis/synthesize.hpp"
 #include "support/places.hpp"
 
@@ -59,7 +60,7 @@ const std::map<std::string, Description>& all_described() {
         named<loop::MemoryCalibrationGroup>("MemoryCalibrationGroup"),
         named<loop::MemoryCalibrationRow>("MemoryCalibrationRow"), named<report::DropsSeen>("DropsSeen"),
         named<report::SpeedAndRestitution>("SpeedAndRestitution"), named<report::PlainAnswer>("PlainAnswer"),
-        named<report::Cause>("Cause"), named<report::FitInWords>("FitInWords"),
+        named<report::Cause>("Cause"), named<report::FitInWords>("FitInWords"), named<report::Taken>("Taken"),
         named<report::Conclusion>("Conclusion"));
     described_structs["MemoryTests"] = fit::members_of_tests();
     described_structs["Roughness"] = fit::members_of_roughness();
@@ -96,6 +97,17 @@ std::string rows_of(Description description) {
   return rows;
 }
 
+/// All kinds of notes, with "..." for their numbers.
+std::string table_of_notes() {
+  std::string rows = "| kind | severity | words |\n|---|---|---|\n";
+  for (int k = 0; k <= static_cast<int>(NoteKind::detector_failed); ++k) {
+    const auto kind = static_cast<NoteKind>(k);
+    rows += "| `" + std::string(to_string(kind)) + "` | " + to_string(report::severity_of(kind)) + " | " +
+            report::pattern_of(kind) + " |\n";
+  }
+  return rows;
+}
+
 /// The page with all tables as they are to be. A marker may name several: "FitInWords FitResult" is one table of both.
 std::string rewritten(const std::string& page) {
   static const std::regex marker("<!-- (of|columns of) ([A-Za-z ]+) -->\n");
@@ -112,7 +124,11 @@ std::string rewritten(const std::string& page) {
     at = std::search(found[0].second, page.end(), end.begin(), end.end());
     EXPECT_NE(at, page.end()) << "no end of a table";
   }
-  return out.append(at, page.end());
+  out.append(at, page.end());
+  const std::string begin = "<!-- notes -->\n";
+  const std::size_t first = out.find(begin);
+  EXPECT_NE(first, std::string::npos);
+  return out.replace(first + begin.size(), out.find(end, first) - first - begin.size(), table_of_notes());
 }
 
 TEST(Formats, PageHasTheTablesOfTheDescriptions) {

@@ -37,7 +37,7 @@ TEST(HistogramFit, RecoversSlopesAndPeakFreeOfTimingNoise) {
     ASSERT_EQ(fits.size(), 8u);
     for (const auto& h : fits) {
       SCOPED_TRACE(h.v_mps);
-      ASSERT_EQ(h.status, FitStatus::ok) << h.message;
+      ASSERT_EQ(h.status, FitStatus::ok);
       EXPECT_NEAR((h.peak_eps->value - restitution(run.law, h.v_mps)) / *h.peak_eps->se, 0.0, 5.0);
       EXPECT_NEAR((h.slope_rising->value - 1.0 / mean_below(run, h.v_mps)) / *h.slope_rising->se, 0.0, 5.0);
       EXPECT_NEAR((h.slope_falling->value - 1.0 / mean_above(run, h.v_mps)) / *h.slope_falling->se, 0.0, 5.0);
@@ -64,7 +64,7 @@ TEST(HistogramFit, RatioOfSlopesIsCoveredByItsIntervals) {
   EXPECT_GE(in95, test::fewest_of(n, 0.95));
 }
 
-TEST(HistogramFit, SlopesDifferWhereTheIntervalOfTheirRatioLeavesOneOutAndTheVerdictSaysTheSame) {
+TEST(HistogramFit, SlopesDifferWhereTheIntervalOfTheirRatioLeavesOneOut) {
   SyntheticRun run;  // above over below: 3/4, 6 standard errors in 2000 samples and more; .85, 1.5 to 4 in fewer; 1
   for (const auto& [above_over_below, n] : {std::pair{0.75, 40000u}, std::pair{0.85, 8000u}, std::pair{1.0, 40000u}}) {
     run.above_at_1mps = above_over_below * run.below_at_1mps;
@@ -72,8 +72,6 @@ TEST(HistogramFit, SlopesDifferWhereTheIntervalOfTheirRatioLeavesOneOutAndTheVer
     for (const auto& h : fit_histograms(independent_samples(run, n, 0.2, 1.4, 0.0), {}, truth_of(run))) {
       const bool differ = slopes_differ(h).value();
       EXPECT_EQ(differ, h.slope_ratio->ci95->lo > 1.0 || h.slope_ratio->ci95->hi < 1.0);
-      EXPECT_EQ(h.verdict.find("the slopes differ (95 %)") != std::string::npos, differ) << h.verdict;
-      EXPECT_EQ(h.verdict.find("the slopes may be equal") != std::string::npos, !differ) << h.verdict;
       EXPECT_TRUE(above_over_below == 0.85 || (*h.p_equal_slopes < 1e-3) == (above_over_below < 0.8))
           << *h.p_equal_slopes;
       n_differ += differ;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bouncelab/report/answer.hpp"
+#include "bouncelab/report/notes.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -142,18 +143,12 @@ TEST(PlainAnswer, OfUnlikeRecordingsIsPooledWhereAskedForAndTheDoubtSaysThatThey
   FitConfig config;
   config.pool = true;
   FitInWords apart = in_words(result, samples), pooled = in_words(fit_all(samples, config), samples);
-  choose_doubt(apart.warnings, apart);
-  choose_doubt(pooled.warnings, pooled);
+  take(apart.notes, apart);
+  take(pooled.notes, pooled);
   EXPECT_FALSE(apart.answer.at);
   EXPECT_THAT(apart.answer.doubt, Not(HasSubstr("agree")));  // the answer says it
   EXPECT_TRUE(pooled.answer.at);
   EXPECT_THAT(pooled.answer.doubt, HasSubstr("The 3 recordings do not agree"));
-}
-
-TEST(PlainAnswer, DoubtIsASentenceWithoutTheNamesOfFlags) {
-  FitInWords words = told(three_recordings(60));
-  choose_doubt({"2 of 7 impacts have two places (flag doubtful; sigma_t_s covers them)", "another"}, words);
-  EXPECT_EQ(words.answer.doubt, "2 of 7 impacts have two places.");
 }
 
 /// Names of the causes that are seen, the largest first.
@@ -225,7 +220,7 @@ TEST(Causes, OfTheAirAreNotKnownWithoutTheBall) {
 }
 
 TEST(FitInWords, WarnsInWordsOfConstantsThatCannotBeToldApart) {
-  EXPECT_THAT(told(bouncelab::testing::independent_samples({}, 5000, 0.2, 1.4, 0.0)).details,
+  EXPECT_THAT(texts_of(told(bouncelab::testing::independent_samples({}, 5000, 0.2, 1.4, 0.0)).notes),
               Contains(HasSubstr("cannot be told apart")));
 }
 
@@ -257,15 +252,16 @@ TEST(FitInWords, WarnsOfFlagsThatNothingOfOursWrites) {
   RestitutionSamples samples = bouncelab::testing::independent_samples({}, 500, 0.2, 1.4, 0.0);
   samples[6].flags = Flags::from_text("missing_impact|other");
   samples[7].flags = Flags::from_text("a_word_of_somebody_else");
-  EXPECT_THAT(told(samples).warnings, Contains(HasSubstr("a_word_of_somebody_else")));
-  EXPECT_FALSE(told({}).warnings.empty());
+  EXPECT_THAT(texts_of(told(samples).notes, Severity::warning), Contains(HasSubstr("a_word_of_somebody_else")));
+  ASSERT_FALSE(told({}).notes.empty());
+  EXPECT_EQ(told({}).notes.front().kind, NoteKind::too_few_samples);
 }
 
 TEST(FitInWords, WarnsWhereErrorsCannotBeByDrop) {
   RestitutionSamples samples = bouncelab::testing::independent_samples({}, 400, 0.2, 1.4, 0.0);
   const auto in_drops = [&](auto drop_of) {
     for (std::size_t k = 0; k < samples.size(); ++k) samples[k].drop = static_cast<std::int64_t>(drop_of(k));
-    return told(samples).details;
+    return texts_of(told(samples).notes);
   };
   EXPECT_THAT(in_drops([](std::size_t k) { return k % 9; }),
               Contains(HasSubstr("9 drops, fewer than 10: standard errors take impacts as independent")));
@@ -274,13 +270,47 @@ TEST(FitInWords, WarnsWhereErrorsCannotBeByDrop) {
   EXPECT_THAT(in_drops([](std::size_t k) { return k % 10; }), Not(Contains(HasSubstr("as independent"))));
 }
 
+TEST(Notes, OfEachKindHaveWordsThatTakeItsNumbers) {
+  for (int k = 0; k <= static_cast<int>(NoteKind::detector_failed); ++k) {
+    const Note note{static_cast<NoteKind>(k), {1.0, 2.0, 3.0, 4.0}, "SUBJECT"};
+    const std::string words = in_words(note);
+    EXPECT_FALSE(words.empty()) << to_string(note.kind);
+    EXPECT_EQ(words.find_first_of("{}|"), std::string::npos) << words;
+    EXPECT_NE(words.back(), '.') << words;
+    EXPECT_EQ(as_sentence({note.kind, note.numbers, note.subject, "a.wav"}).rfind("a.wav: ", 0), 0u);
+  }
+  EXPECT_EQ(in_words({NoteKind::clipped, {3.0, 52.0}}), "3 of 52 impacts are clipped: record with less gain");
+  EXPECT_EQ(in_words({NoteKind::outliers, {1.0}}).rfind("1 bounce is too far", 0), 0u);
+  EXPECT_EQ(in_words({NoteKind::outliers, {2.0}}).rfind("2 bounces are too far", 0), 0u);
+}
+
+TEST(Notes, AreOrderedBySeverityAndKindAndStandOnce) {
+  std::vector<Note> notes{{NoteKind::few_drops, {2.0}},
+                          {NoteKind::lossy_coding, {}, "MP3"},
+                          {NoteKind::no_ball_likely, {3.0, 1.0}},
+                          {NoteKind::eps_above_1, {4.0, 28.0}},
+                          {NoteKind::lossy_coding, {}, "MP3"}};
+  order(notes);
+  ASSERT_EQ(notes.size(), 4u);
+  EXPECT_EQ(notes[0].kind, NoteKind::no_ball_likely);
+  EXPECT_EQ(notes[1].kind, NoteKind::eps_above_1);
+  EXPECT_EQ(notes[2].kind, NoteKind::lossy_coding);
+  FitInWords words;
+  words.answer.sentences = {"ε = 0.9 at 1 m/s."};
+  take({notes.begin() + 1, notes.end()}, words);
+  EXPECT_EQ(words.answer.doubt, "4 of 28 samples have ε > 1: time order or units of the input?");
+  take(notes, words);
+  ASSERT_EQ(words.answer.sentences.size(), 1u);
+  EXPECT_EQ(words.answer.sentences[0].rfind("No ε is stated: ", 0), 0u);
+}
+
 TEST(FitInWords, SaysFirstThatRecordingsDoNotAgreeAndWhichAreFurthestOff) {
   RestitutionSamples samples = bouncelab::testing::independent_samples({}, 200, 0.2, 1.4, 0.0);
   for (std::size_t k = 0; k < samples.size(); ++k) {
     samples[k].recording = k < 192 ? "a" : "b";
     if (k >= 192) samples[k].eps -= 0.2;
   }
-  const std::vector<std::string> warnings = told(samples).warnings;
+  const std::vector<std::string> warnings = texts_of(told(samples).notes, Severity::warning);
   ASSERT_FALSE(warnings.empty());
   EXPECT_THAT(warnings.front(), HasSubstr("the 2 recordings do not agree"));
   EXPECT_THAT(warnings.front(), HasSubstr("(b) to "));

@@ -12,6 +12,7 @@
 
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/report/answer.hpp"
+#include "bouncelab/report/notes.hpp"
 #include "numerics/distributions.hpp"
 #include "synthetic_samples.hpp"
 
@@ -47,7 +48,7 @@ TEST(MemoryOfFitAll, IsFittedBesideTheMainLawWhichItLeavesAlone) {
   const FitResult alone = fit_all(drops(true), without);
   const FitResult& both = of_a_rough_ball();
   ASSERT_TRUE(both.memory);
-  ASSERT_TRUE(both.memory->holds) << both.memory->message;
+  ASSERT_TRUE(both.memory->holds);
   ASSERT_EQ(both.memory->nodes.size(), both.law.nodes.size());
   for (std::size_t k = 0; k < both.law.nodes.size(); ++k) {
     const NodeEstimate& node = both.memory->nodes[k];
@@ -152,8 +153,8 @@ TEST(MemoryOfFitAll, LeavesOutTheWarningsOfImpactsTakenAsIndependent) {
   result.law.ndf = 10;
   const auto warns = [&] {
     const FitInWords words = in_words(result, drops(true));
-    return std::any_of(words.warnings.begin(), words.warnings.end(),
-                       [](const std::string& w) { return w.find("is not as the fit assumes") != std::string::npos; });
+    return std::any_of(words.notes.begin(), words.notes.end(),
+                       [](const Note& note) { return note.kind == NoteKind::scatter_not_as_fitted; });
   };
   EXPECT_FALSE(warns());
   result.memory->holds = false;
@@ -167,7 +168,8 @@ TEST(MemoryOfFitAll, OfIndependentImpactsIsWarnedOfAndNotHandedOn) {
   EXPECT_FALSE(result.memory->holds);
   EXPECT_TRUE(result.curve && result.law.law);
   EXPECT_FALSE(result.constants.with_memory);
-  EXPECT_THAT(words.warnings.front(), ::testing::HasSubstr("memory"));
+  ASSERT_FALSE(words.notes.empty());
+  EXPECT_EQ(words.notes.front().kind, NoteKind::memory_fails);
   for (const Finding& f : words.findings)
     if (f.question == "Do the fluctuations remember?") {
       EXPECT_THAT(f.answer, ::testing::StartsWith("No"));
@@ -198,8 +200,8 @@ TEST(MemoryOfFitAll, WhereLongIsMadeOfFiveDropsOfThirtyImpactsAndNotOfLess) {
   const FitResult result = fit_all(independent, config);
   ASSERT_TRUE(result.memory);
   EXPECT_FALSE(result.memory->holds);
-  EXPECT_THAT(in_words(result, independent).warnings,
-              ::testing::Not(::testing::Contains(::testing::HasSubstr("memory"))));
+  for (const Note& note : in_words(result, independent).notes)
+    EXPECT_TRUE(severity_of(note.kind) == Severity::detail || note.kind != NoteKind::memory_fails);
 }
 
 TEST(MemoryOfFitAll, IsAStepOfTheProgress) {
@@ -217,7 +219,7 @@ TEST(MemoryOfFitAll, IsAStepOfTheProgress) {
   EXPECT_TRUE(j.at("roughness").is_null());
   EXPECT_TRUE(j.at("memory").at("leak").is_null());
   EXPECT_TRUE(j.at("memory").at("tests").is_null());
-  EXPECT_THAT(in_words(result, few, UseMemory::always).warnings,
+  EXPECT_THAT(texts_of(in_words(result, few, UseMemory::always).notes, Severity::warning),
               ::testing::Contains(::testing::StartsWith("memory could not be fitted: ")));
 }
 
@@ -230,7 +232,7 @@ TEST(RoughnessOfABall, IsFoundWithinItsErrorWhateverItsInertia) {
   name_ball(samples, thin_shell, {});
   samples[7].flags = {Flag::missing_impact};
   const RoughnessResult shell = measure_roughness(samples, config);
-  ASSERT_TRUE(shell.memory.holds) << shell.memory.message;
+  ASSERT_TRUE(shell.memory.holds);
   EXPECT_LT(std::abs(shell.memory.roughness.q.value - kQ), 4.0 * *shell.memory.roughness.q.se);
   // 500 widths know q to a tenth or so; were it the start value there would be no such error
   EXPECT_LT(*shell.memory.roughness.q.se, 0.2 * kQ);

@@ -145,7 +145,8 @@ TEST(Simulate, DropEndsWhereTheBallLeavesThePlateAndIsCounted) {
   const SimulationResult result = simulate(config, Surface{});
   EXPECT_EQ(result.n_ended[static_cast<std::size_t>(DropEnd::left_plate)], 10);
   for (const ImpactState& state : result.impacts.states) EXPECT_LE(state.position_m[1], 0.1);
-  EXPECT_FALSE(result.warnings.empty());
+  ASSERT_EQ(result.notes.size(), 1u);
+  EXPECT_EQ(result.notes[0].kind, NoteKind::drops_left_plate);
 }
 
 TEST(Simulate, StopsBySpeedAndByTime) {

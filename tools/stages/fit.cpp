@@ -230,9 +230,14 @@ fit::FitConfig fit_config(const FitOptions& options, const CommonOptions& common
   return config;
 }
 
+void leave_out_given(const Given& given, std::vector<report::Taken>& taken) {
+  std::erase_if(taken, [&](const report::Taken& one) { return given.contains(one.what); });
+}
+
 Outcome fit_outcome(const fit::FitResult& result, const report::FitInWords& words, const std::string& samples) {
   Outcome outcome;
-  outcome.text = answer_text(words.answer) + "\n" + describe(result);
+  const std::string taken = report::in_words(words.taken);
+  outcome.text = answer_text(words.answer) + (taken.empty() ? "" : taken + "\n") + "\n" + describe(result);
   outcome.notes = words.notes;
   if (result.curve) return outcome;
   outcome.exit_code = kNotUsable;
@@ -263,6 +268,7 @@ Stage<fit::FitResult> run_fit(const FitOptions& options, const Run& run) {
   const fit::FitConfig config = fit_config(options, run.common);
   fit::FitResult result = fit::fit_all(samples, config, progress_line(run, "fit", "fits"));
   report::FitInWords words = report::in_words(result, samples, config.memory);
+  leave_out_given(run.given, words.taken);
   words.notes = joined(notes, words.notes);
   report::order(words.notes);
   take(words.notes, words);

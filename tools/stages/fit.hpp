@@ -41,7 +41,10 @@ std::string answer_text(const report::PlainAnswer& answer);
 /// What the options describe.
 fit::FitConfig fit_config(const FitOptions& options, const CommonOptions& common);
 
-/// Text and warnings; exit code 1 where there is no curve. Constants that are not identifiable are a warning, the last.
+/// What stood on the command line was not taken, it was given.
+void leave_out_given(const Given& given, std::vector<report::Taken>& taken);
+
+/// Text and notes; exit code 1 where there is no curve.
 /// @param samples  where they are from, for the error
 Outcome fit_outcome(const fit::FitResult& result, const report::FitInWords& words, const std::string& samples);
 /// What is known is written whatever the exit code.

@@ -311,11 +311,13 @@ Description members_of(const FitResult*) {
       member<residuals_of>("residuals", "Bins of speed, see below; from two on"),
       member<&F::recordings, &Recordings::test>(
           "recordings_test",
-          "`null`, or the test whether recordings agree, see [several recordings](#several-recordings)"),
+          "The test whether recordings agree, see [several recordings](#several-recordings); not there of one")
+          .left_out_where_unknown(),
       member<&F::recordings, &Recordings::rows>("recordings",
                                                 "`[...]`: a row for each recording, empty where there is one"),
       member<&F::kinds_of_drops>("kinds_of_drops",
-                                 "`null`, or where drops are of two kinds `{n_lower, n_upper, eps_lower, eps_upper}`"),
+                                 "Where drops are of two kinds `{n_lower, n_upper, eps_lower, eps_upper}`, else not there")
+          .left_out_where_unknown(),
       member<&F::is_one_ball>(
           "is_one_ball",
           "Recordings and drops are seen to agree, or `--pool` was given; else `answer` and `hand_off` have no value "

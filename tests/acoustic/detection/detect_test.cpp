@@ -197,7 +197,7 @@ TEST(DetectBadInput, TimesClippedImpactsByATemplateThatIsClippedAlike) {
   const std::vector<double> truth = test::impact_times(b);
   ASSERT_EQ(d.onsets.size(), truth.size());
   EXPECT_TRUE(d.onsets.front().flags.has(Flag::clipped));
-  EXPECT_FALSE(d.warnings.empty());
+  EXPECT_FALSE(d.notes.empty());
   // A line in v^(-1/5) is taken off: this sound has no contacts, but the few whole impacts do not rule out steel's.
   const auto n = static_cast<double>(truth.size());
   double u_mean = 0.0, e_mean = 0.0, uu = 0.0, ue = 0.0;

@@ -188,9 +188,10 @@ TEST_F(SynthesizeFile, ARateTooLowForTheModesSaysWhichAreLeftOut) {
   config.rate_hz = 44100;
   const Impacts one = impacts({0.1});
   const SynthesisResult result = synthesize(drops_of(one), config, folder_ / "a.wav", false);
-  ASSERT_EQ(result.warnings.size(), 1u);
-  EXPECT_THAT(result.warnings[0], testing::HasSubstr("modes from 22"));
-  EXPECT_THAT(result.warnings[0], testing::HasSubstr("44100 Hz"));
+  ASSERT_EQ(result.notes.size(), 1u);
+  EXPECT_EQ(result.notes[0].kind, NoteKind::modes_left_out);
+  EXPECT_GE(result.notes[0].numbers.at(1), 22e3);
+  EXPECT_EQ(result.notes[0].numbers.at(3), 44100.0);
 }
 
 std::string refusal(const Impacts& what, const SynthesisConfig& config) {

@@ -84,6 +84,9 @@ Outcome write_analysis(const loop::Analysis& found, const loop::AnalyzeConfig& c
                        const std::vector<fs::path>& files, const std::vector<fs::path>& inputs, const Outcome& detected,
                        const fs::path& folder, const Run& run) {
   report::FitInWords words = report::in_words(found.fit, found.restitution.samples, config.fit.memory);
+  if (found.recordings.size() == 1)
+    for (report::Taken& one : report::taken_of(found.recordings.front())) words.taken.push_back(std::move(one));
+  leave_out_given(run.given, words.taken);
   const Outcome fitted = fit_outcome(found.fit, words, (folder / "samples.csv").string());
   std::vector<Note> notes = joined(joined(report::notes_of(found.restitution.counts, config.restitution), words.notes),
                                    detected.notes);
@@ -95,11 +98,14 @@ Outcome write_analysis(const loop::Analysis& found, const loop::AnalyzeConfig& c
   Outcome outcome;
   outcome.result = object_of(found);
   outcome.result.emplace_back("answer", value_of(words.answer));
+  outcome.result.emplace_back("taken", value_of(words.taken));
   outcome.result.emplace_back("notes", report::values_of(notes));
   write_json(run, folder / "summary.json", outcome.result, 2, {folder / "fit.json"});
   const Outcome shown = run_report({folder, folder / "report.html", title_of(files)}, run);
   // the answer, one doubt, where the report is: all notes stand there and in summary.json
+  const std::string taken = report::in_words(words.taken);
   outcome.text = lines_of(words.answer.sentences) + rows_of(words.answer) + detected.text +
+                 (taken.empty() ? "" : taken + "\n") +
                  (words.answer.doubt.empty() ? "" : words.answer.doubt + "\n") + shown.text;
   const bool is_withheld = report::severity_of(notes.empty() ? NoteKind::of_file : notes.front().kind) == Severity::no_answer;
   outcome.exit_code = std::max({detected.exit_code, fitted.exit_code, is_withheld ? kNotUsable : 0});

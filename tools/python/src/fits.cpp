@@ -9,6 +9,7 @@
 #include "bouncelab/core/restitution_law.hpp"
 #include "bouncelab/loop/detector_score.hpp"
 #include "bouncelab/report/answer.hpp"
+#include "bouncelab/report/notes.hpp"
 #include "bouncelab/report/page.hpp"
 #include "stages.hpp"
 #include "stages/files/table_file.hpp"

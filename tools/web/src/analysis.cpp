@@ -56,6 +56,9 @@ Analysis completed(loop::Analysis found, const loop::AnalyzeConfig& config, cons
   report::order(notes);
   take(notes, analysis.words);
   analysis.summary = object_of(all);
+  for (const detection::RecordingDetection& recording : all.recordings)
+    for (report::Taken& one : report::taken_of(recording)) analysis.words.taken.push_back(std::move(one));
+  analysis.summary.emplace_back("taken", value_of(analysis.words.taken));
   analysis.summary.emplace_back("notes", report::values_of(notes));
   return analysis;
 }

@@ -11,6 +11,7 @@
 #include "bouncelab/core/description.hpp"
 #include "bouncelab/core/note.hpp"
 #include "bouncelab/core/samples.hpp"
+#include "bouncelab/detection/detect.hpp"
 #include "bouncelab/fit/fit.hpp"
 
 namespace bouncelab::report {
@@ -79,8 +80,16 @@ struct Finding {
 };
 Description members_of(const Finding*);
 
+/// A value that enters the numbers and that the user need not have given: a default, or what a file says.
+struct Taken {
+  std::string what;   ///< the option that gives it: "ball", "gravity"
+  std::string value;  ///< in words, "not known" where nothing is
+};
+Description members_of(const Taken*);
+
 struct FitInWords {
   PlainAnswer answer;
+  std::vector<Taken> taken;
   std::vector<Note> notes;        ///< the most severe first
   std::vector<Cause> causes;      ///< the three, largest first; empty without an answer
   std::vector<Finding> findings;  ///< how eps depends on speed, how sure, what limits it ...; empty without a law
@@ -96,6 +105,13 @@ FitInWords in_words(const fit::FitResult& result, const RestitutionSamples& samp
 /// what most of the uncertainty is, becomes its doubt.
 /// @param notes  of the recordings and of the fit, ordered
 void take(const std::vector<Note>& notes, FitInWords& words);
+
+/// Ball, plate, gravity and air that samples were computed with.
+std::vector<Taken> taken_of(const RestitutionSamples& samples);
+/// Channel and track of a recording that has several.
+std::vector<Taken> taken_of(const detection::RecordingDetection& recording);
+/// "Taken: ball not known, gravity 9.80665 m/s^2."; empty where nothing was.
+std::string in_words(const std::vector<Taken>& taken);
 
 /// What a user should know of a fit and of its samples, ordered.
 std::vector<Note> notes_of(const fit::FitResult& result, const RestitutionSamples& samples, fit::UseMemory memory);

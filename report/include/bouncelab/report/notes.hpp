@@ -14,6 +14,8 @@
 namespace bouncelab::report {
 
 Severity severity_of(NoteKind kind);
+/// The words of a kind with "..." for its numbers and its subject, for docs/formats.md.
+std::string pattern_of(NoteKind kind);
 /// Without a full stop and without the recording's name, small where a word begins it: "3 of 52 impacts are clipped:
 /// record with less gain".
 std::string in_words(const Note& note);
