@@ -320,13 +320,14 @@ constexpr const char* kTitles = R"x(
 1e-3 | t (ms) | time_ms | v (mm/s)
 1e-6 | t (us) | t [µs] | t / μs | t_us
 60 | t (min)
-1e-2 | y (cm) | v / cm/s
+1e-9 | t (ns)
+1e-2 | y (cm) | v / cm/s | t (cs)
 0.0254 | y (in) | v (in/s)
 0.3048 | y [ft] | v (ft/s)
 0.44704 | v (mph)
 0.2777777777777778 | v (km/h)
 0 | T^2 (s^2) | 1/T (1/s) | f (Hz) | Time (10^-3 s) | Time (x0.1 s) | Time (1/100 s) | s | m/s | Time | time (S) | v_in
-0 | t_min | time s | t (ds) | S1 | (t) | log time | t (s) of A | dt
+0 | t_min | time s | t (ds) | S1 | (t) | t () | log time | t (s) of A | dt
 )x";
 
 TEST(ForeignTable, ATitlesUnitIsWholeOrNone) {

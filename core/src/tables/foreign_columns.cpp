@@ -133,8 +133,13 @@ std::optional<NumberCell> number_in(const ForeignTable& table, const ForeignTabl
                                     const std::string& name) {
   const std::optional<NumberCell> number = table.number(row, column);
   if (number || row.cells[column].empty()) return number;
+  const std::string& cell = row.cells[column];
+  const std::size_t behind = std::min(cell.find_first_not_of("0123456789.,+- "), cell.size());
+  const bool has_unit = behind > 0 && unit_of_title("x (" + cell.substr(behind) + ")");  // "0.5 s"
   throw FileError(name, "line " + std::to_string(row.line) + ", " + column_name(table, column) + ": '" +
-                            printable(row.cells[column], 60) + "' is not a number; correct it, or delete the line");
+                            printable(cell, 60) + "' is not a number; " +
+                            (has_unit ? "write the numbers alone, and their unit once, in the title: Time (s)"
+                                      : "correct it, or delete the line"));
 }
 
 std::string column_option(const ForeignTable& table, std::string_view key, std::size_t column) {
@@ -200,8 +205,8 @@ void add_own_columns(const ForeignTable& foreign, const std::vector<ColumnSpec>&
                      Table& table) {
   for (const ColumnSpec& spec : own) {
     const auto column = own_column(foreign, spec.name);
-    if (!column || std::any_of(table.columns.begin(), table.columns.end(),
-                               [&](const Column& c) { return c.name == spec.name; }))
+    if (!column ||
+        std::any_of(table.columns.begin(), table.columns.end(), [&](const Column& c) { return c.name == spec.name; }))
       continue;
     Column values = empty_column(spec);
     auto* const wholes = std::get_if<std::vector<std::int64_t>>(&values.values);

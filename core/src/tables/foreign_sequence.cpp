@@ -84,8 +84,7 @@ Sequence numbers_of(const ForeignTable& table, const Selection& selection, const
       throw FileError(name, gap + ": the cell is empty, and without it two intervals would be one; write it" +
                                 (by_rows ? "" : ", or a blank line in its place, which begins a new drop"));
     if (number->is_clock && !(sequence.unit && sequence.unit->si == 1.0))
-      throw FileError(
-          name, place + ": '" + printable(row.cells[column], 60) + "' is a clock time, and others are not");
+      throw FileError(name, place + ": '" + printable(row.cells[column], 60) + "' is a clock time, and others are not");
     if (number->is_clock && has_begun && !begins)
       number->value = behind_midnight(number->value, sequence.values.back().number.value);
     sequence.values.push_back({*number, row.line, part});
@@ -191,10 +190,25 @@ Marks marks_of(const ForeignTable& table, std::size_t column) {
   return marks;
 }
 
+/// A column of units, "ms" in each row, that are not the one in which the numbers are read.
+void check_units(const ForeignTable& table, std::size_t column, const TitleUnit& unit, const std::string& name) {
+  const ForeignTable::Row* other = nullptr;
+  for (const ForeignTable::Row& row : table.rows) {
+    const auto known = unit_of_title("x (" + row.cells[column] + ")");
+    if (!known) return;
+    if (known->dimension != unit.dimension || known->si != unit.si) other = &row;
+  }
+  if (other)
+    throw FileError(name, "line " + std::to_string(other->line) + ", " + column_name(table, column) + ": '" +
+                              other->cells[column] + "' beside a number in " + unit.name +
+                              "; write all numbers in one unit, and this unit in their title: Time (" +
+                              other->cells[column] + ")");
+}
+
 }  // namespace
 
 void check_others(const ForeignTable& table, const Selection& selection, const Sequence& sequence,
-                  const std::vector<std::int64_t>& drop_of_value, const ForeignOptions& options,
+                  const TitleUnit& unit, const std::vector<std::int64_t>& drop_of_value, const ForeignOptions& options,
                   const std::string& name) {
   const auto& values = sequence.values;
   const ForeignOptions as_it_is{options.as, options.unit, columns_option(table, selection.key(), selection.columns)};
@@ -205,6 +219,7 @@ void check_others(const ForeignTable& table, const Selection& selection, const S
     if (k == selection.columns.front() || unit_of(table, k) ||
         std::any_of(own.begin(), own.end(), [&](const ColumnSpec& spec) { return spec.name == title; }))
       continue;
+    if (options.unit == "auto") check_units(table, k, unit, name);
     const Marks marks = marks_of(table, k);
     std::vector<std::int64_t> drop_of_block(marks.block_of_row.back() + 1, -1);
     bool same = static_cast<std::int64_t>(drop_of_block.size()) == drop_of_value.back() + 1;
