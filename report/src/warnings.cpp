@@ -111,25 +111,6 @@ void warn_of_timing(const ErrorBudget& budget, std::vector<std::string>& warning
                                *t.sigma_s * 1e6, *t.stated_s * 1e6));
 }
 
-void warn_of_samples(const RestitutionSamples& used, std::vector<std::string>& warnings) {
-  const auto count = [&](auto&& condition) {
-    return static_cast<double>(std::count_if(used.begin(), used.end(), condition));
-  };
-  const double n = static_cast<double>(used.size());
-  const double above_one = count([](const auto& s) { return s.eps > 1.0; });
-  if (above_one > 0.1 * n)
-    warnings.push_back(formatted("%.0f of %.0f samples have ε > 1: time order or units of the input?", above_one, n));
-  const double below_zero = count([](const auto& s) { return s.eps < 0.0; });
-  if (below_zero > 0.1 * n)
-    warnings.push_back(
-        formatted("%.0f of %.0f samples have ε < 0: time order or columns of the input?", below_zero, n));
-  const double implausible = count([](const auto& s) { return s.v_mps > 20.0 || s.v_mps < 0.005; });
-  if (implausible > 0.1 * n)
-    warnings.push_back(
-        formatted("%.0f of %.0f speeds are outside 0.005 to 20 m/s: are %s, and gravity in m/s^2?", implausible, n,
-                  used.front().conditions.of_heights ? "heights in the unit that was said" : "times in seconds"));
-}
-
 void warn_of_unstated_errors(const RestitutionSamples& used, std::vector<std::string>& warnings) {
   const auto unknown =
       std::count_if(used.begin(), used.end(), [](const auto& s) { return !s.sigma_eps || !(*s.sigma_eps > 0.0); });
@@ -184,7 +165,9 @@ void warn_of_mixed_conditions(const RestitutionSamples& used, std::vector<std::s
 /// Of the samples alone, whatever is fitted to them.
 void warn_of_all_samples(const RestitutionSamples& used, const LeftOut& left_out, std::vector<std::string>& warnings) {
   if (auto twice = warning_of_repeated_drops(used)) warnings.push_back(*std::move(twice));
-  warn_of_samples(used, warnings);
+  Implausible implausible;
+  for (const RestitutionSample& sample : used) implausible.add(sample);
+  for (std::string& warning : implausible.warnings()) warnings.push_back(std::move(warning));
   warn_of_rows_left_out(left_out, warnings);
   warn_of_wrong_intervals(used, left_out, warnings);
   warn_of_mixed_conditions(used, warnings);
@@ -199,6 +182,27 @@ std::string open_without_ball(const MemoryFit& memory) {
 }
 
 }  // namespace
+
+void Implausible::add(const RestitutionSample& sample) {
+  ++n_;
+  if (sample.eps > 1.0) ++n_above_one_;
+  if (sample.eps < 0.0) ++n_below_zero_;
+  if (sample.v_mps > 20.0 || sample.v_mps < 0.005) ++n_speeds_;
+  of_heights_ = sample.conditions.of_heights;
+}
+
+std::vector<std::string> Implausible::warnings() const {
+  std::vector<std::string> warnings;
+  const auto warn = [&](std::size_t n, const char* words, const char* doubt) {
+    if (10 * n > n_) warnings.push_back(formatted("%zu of %zu %s: %s?", n, n_, words, doubt));
+  };
+  warn(n_above_one_, "samples have ε > 1", "time order or units of the input");
+  warn(n_below_zero_, "samples have ε < 0", "time order or columns of the input");
+  warn(n_speeds_, "speeds are outside 0.005 to 20 m/s",
+       of_heights_ ? "are heights in the unit that was said, and gravity in m/s^2"
+                   : "are times in seconds, and gravity in m/s^2");
+  return warnings;
+}
 
 std::optional<std::string> warning_of_repeated_drops(const RestitutionSamples& used) {
   const std::vector<RepeatedDrop> repeated = repeated_drops(used);

@@ -108,6 +108,18 @@ std::string in_words(const RecordingAnswer& recording);
 /// details, and `words` has those of its own that remain.
 void keep_three(std::vector<std::string>& warnings, FitInWords& words);
 
+/// Counts samples that no ball gives, one by one.
+class Implausible {
+ public:
+  void add(const RestitutionSample& sample);
+  /// A line for each kind of which there are more than a tenth: eps above 1, eps below 0, speeds of no ball.
+  std::vector<std::string> warnings() const;
+
+ private:
+  std::size_t n_ = 0, n_above_one_ = 0, n_below_zero_ = 0, n_speeds_ = 0;
+  bool of_heights_ = false;
+};
+
 /// Warnings of a measured roughness. @param samples  all that it was measured from
 std::vector<std::string> warnings_of(const fit::RoughnessResult& result, const RestitutionSamples& samples);
 
