@@ -304,6 +304,7 @@ a drop again | drop;Time (s)\n1;0.4\n2;1\n1;1.51\n |  | line 4: drop '1' comes a
 a column of units | t (s),unit\n10,ms\n12,ms\n13.7,ms\n |  | line 4, column 'unit': 'ms' beside a number in s; write all numbers in one unit
 two units | a (s),b (ms)\n.4,400\n | --columns t=1,t=2 | have two units; write one
 a unit in a cell | n;Time (s)\n1;0.4\n2;1.0 s\n |  | '1.0 s' is not a number; write the numbers alone
+units in cells | n;Time\n1;0.4 s\n2;1.0 s\n |  | line 2, column 'Time': '0.4 s' is not a number; write the numbers alone
 two of that name | a,a\n0.1,0.2\n | --columns t=a | has no column 'a' (found: column 1, column 2)
 no such column | a,b\n0.1,0.2\n | --columns t=when | has no column 'when' (found: column 'a', column 'b')
 a clock time among numbers | t (ms)\n58000\n59000\n1:00.0\n |  | line 4, column 't (ms)': '1:00.0' is a clock time

@@ -129,17 +129,20 @@ std::optional<TitleUnit> unit_of(const ForeignTable& table, const std::vector<st
   return common;
 }
 
+bool has_unit(const std::string& cell) {
+  const std::size_t behind = std::min(cell.find_first_not_of("0123456789.,+- "), cell.size());
+  return behind > 0 && unit_of_title("x (" + cell.substr(behind) + ")");
+}
+
 std::optional<NumberCell> number_in(const ForeignTable& table, const ForeignTable::Row& row, std::size_t column,
                                     const std::string& name) {
   const std::optional<NumberCell> number = table.number(row, column);
-  if (number || row.cells[column].empty()) return number;
   const std::string& cell = row.cells[column];
-  const std::size_t behind = std::min(cell.find_first_not_of("0123456789.,+- "), cell.size());
-  const bool has_unit = behind > 0 && unit_of_title("x (" + cell.substr(behind) + ")");  // "0.5 s"
+  if (number || cell.empty()) return number;
   throw FileError(name, "line " + std::to_string(row.line) + ", " + column_name(table, column) + ": '" +
                             printable(cell, 60) + "' is not a number; " +
-                            (has_unit ? "write the numbers alone, and their unit once, in the title: Time (s)"
-                                      : "correct it, or delete the line"));
+                            (has_unit(cell) ? "write the numbers alone, and their unit once, in the title: Time (s)"
+                                            : "correct it, or delete the line"));
 }
 
 std::string column_option(const ForeignTable& table, std::string_view key, std::size_t column) {

@@ -31,6 +31,8 @@ std::optional<std::size_t> own_column(const ForeignTable& table, std::string_vie
 void add_own_columns(const ForeignTable& foreign, const std::vector<ColumnSpec>& own, const std::string& name,
                      Table& table);
 
+/// "0.5 s"
+bool has_unit(const std::string& cell);
 /// A number, nothing where the cell is empty. @throws FileError of any other cell, with its line and column
 std::optional<NumberCell> number_in(const ForeignTable& table, const ForeignTable::Row& row, std::size_t column,
                                     const std::string& name);

@@ -234,6 +234,8 @@ Selection selection_of(const ForeignTable& table, const ForeignOptions& options,
                                     : "no title has a unit of time, such as Time (s), t (ms); numbers of frames or "
                                       "samples are to be divided by "
                                       "their rate first";
+    for (std::size_t k = 0; k < table.n_columns(); ++k)
+      if (has_unit(table.rows.front().cells[k])) number_in(table, table.rows.front(), k, name);
     readings = columns.likely;
   }
   const Selection& several = columns.several;
