@@ -50,6 +50,10 @@ std::string column_name(const ForeignTable& table, std::size_t column) {
   return is_alone(table, title) ? "column '" + printable(title, 60) + "'" : "column " + std::to_string(column + 1);
 }
 
+std::string place_of(const ForeignTable& table, const ForeignTable::Row& row, std::size_t column) {
+  return "line " + std::to_string(row.line) + ", " + column_name(table, column);
+}
+
 std::string format_in_words(const ForeignTable& table) {
   std::string text;
   if (table.n_columns() > 1)
@@ -139,8 +143,7 @@ std::optional<NumberCell> number_in(const ForeignTable& table, const ForeignTabl
   const std::optional<NumberCell> number = table.number(row, column);
   const std::string& cell = row.cells[column];
   if (number || cell.empty()) return number;
-  throw FileError(name, "line " + std::to_string(row.line) + ", " + column_name(table, column) + ": '" +
-                            printable(cell, 60) + "' is not a number; " +
+  throw FileError(name, place_of(table, row, column) + ": '" + printable(cell, 60) + "' is not a number; " +
                             (has_unit(cell) ? "write the numbers alone, and their unit once, in the title: Time (s)"
                                             : "correct it, or delete the line"));
 }

@@ -17,6 +17,8 @@ namespace bouncelab {
 std::string title_of(const ForeignTable& table, std::size_t column);
 /// For messages: "column 'Time (s)'", "column 2".
 std::string column_name(const ForeignTable& table, std::size_t column);
+/// "line 3, column 'Time (s)'"
+std::string place_of(const ForeignTable& table, const ForeignTable::Row& row, std::size_t column);
 std::string format_in_words(const ForeignTable& table);
 
 /// The columns that --columns names for a key: "t=Time (s),drop=2". @throws InvalidArgument, FileError
@@ -44,11 +46,12 @@ std::optional<TitleUnit> unit_of(const ForeignTable& table, std::size_t column);
 std::optional<TitleUnit> unit_of(const ForeignTable& table, const std::vector<std::size_t>& columns,
                                  Dimension dimension, const std::string& name);
 
-/// The rows in which two columns have numbers, by which a bounce is told: lines, and the two. @throws FileError
+/// Two numbers of a row, such as before and after a bounce.
 struct PairOfCells {
   const ForeignTable::Row* row = nullptr;
   NumberCell first, second;
 };
+/// Of the rows that have both. @throws FileError
 std::vector<PairOfCells> pairs_in(const ForeignTable& table, std::size_t first, std::size_t second,
                                   const std::string& name);
 
