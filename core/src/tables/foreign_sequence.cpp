@@ -197,8 +197,8 @@ void check_units(const ForeignTable& table, std::size_t column, const TitleUnit&
   const ForeignTable::Row* other = nullptr;
   for (const ForeignTable::Row& row : table.rows) {
     const auto known = unit_of_title("x (" + row.cells[column] + ")");
-    if (!known) return;
-    if (known->dimension != unit.dimension || known->si != unit.si) other = &row;
+    if (!known || known->dimension != unit.dimension) return;  // "in", and out
+    if (known->si != unit.si) other = &row;
   }
   if (other)
     throw FileError(name, place_of(table, *other, column) + ": '" + other->cells[column] + "' beside a number in " +
