@@ -237,7 +237,7 @@ void check_others(const ForeignTable& table, const Selection& selection, const S
       ask(table, name,
           column_name(table, k) + " tells some rows from others" +
               (marks.word.empty() ? "" : ": '" + printable(marks.word, 60) + "'") +
-              "; is each row an impact of one ball? Delete the rows that are not",
+              "; is each row an impact of one ball? Else delete the others, or write a table of each ball",
           {{"it is", as_it_is}});
     std::vector<AmbiguousTable::Reading> readings{{"it does not", as_it_is}};
     if (may_be_drops) {
