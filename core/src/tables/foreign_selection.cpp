@@ -126,13 +126,10 @@ struct Columns {
              std::all_of(all.begin(), all.end(), [&](std::size_t k) {
                return table.rows[0].cells[k].empty() || std::count(rows.columns.begin(), rows.columns.end(), k) > 0;
              });
-    if (is_row)
-      several = rows;
-    else if (are_alike(table, columns.columns) && goes_one_way(glance_at(table, columns)))
-      several = columns;
-    else if ((are_measured || table.titles.empty()) && are_alike(table, rows.columns) &&
-             goes_one_way(glance_at(table, rows)))
-      several = rows;
+    const bool are_columns = !is_row && are_alike(table, columns.columns) && goes_one_way(glance_at(table, columns));
+    const bool are_rows = is_row || ((are_measured || table.titles.empty()) && are_alike(table, rows.columns) &&
+                                     goes_one_way(glance_at(table, rows)));
+    if (are_columns || are_rows) several = are_columns ? columns : rows;
   }
 
   const std::vector<std::size_t>& wanted() const { return are_heights ? lengths : times; }
