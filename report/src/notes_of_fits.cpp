@@ -92,18 +92,9 @@ void note_timing(const ErrorBudget& budget, Notes& notes) {
 }
 
 void note_samples(const RestitutionSamples& used, Notes& notes) {
-  constexpr double kMany = 0.1;
-  const auto n = static_cast<double>(used.size());
-  const auto add = [&](NoteKind kind, auto&& condition, const char* subject = "") {
-    const auto count = static_cast<double>(std::count_if(used.begin(), used.end(), condition));
-    if (count > kMany * n) notes.push_back({kind, {count, n}, subject});
-  };
-  add(NoteKind::eps_above_1, [](const auto& s) { return s.eps > 1.0; });
-  add(NoteKind::eps_below_0, [](const auto& s) { return s.eps < 0.0; });
-  const bool of_heights = !used.empty() && used.front().conditions.of_heights;
-  add(
-      NoteKind::odd_speeds, [](const auto& s) { return s.v_mps > 20.0 || s.v_mps < 0.005; },
-      of_heights ? "heights in the unit that was said" : "times in seconds");
+  Implausible implausible;
+  for (const RestitutionSample& sample : used) implausible.add(sample);
+  for (Note& note : implausible.notes()) notes.push_back(std::move(note));
 }
 
 void note_unstated_errors(const RestitutionSamples& used, Notes& notes) {
@@ -181,6 +172,27 @@ void note_largest_part(const Curve& curve, const SampleConditions& of, Notes& no
 Note note_of(const KindsOfDrops& kinds) {
   return {NoteKind::two_kinds_of_drops,
           {kinds.eps_lower, static_cast<double>(kinds.n_lower), kinds.eps_upper, static_cast<double>(kinds.n_upper)}};
+}
+
+void Implausible::add(const RestitutionSample& sample) {
+  ++n_;
+  n_above_one_ += sample.eps > 1.0;
+  n_below_zero_ += sample.eps < 0.0;
+  n_speeds_ += sample.v_mps > 20.0 || sample.v_mps < 0.005;
+  of_heights_ = sample.conditions.of_heights;
+}
+
+std::vector<Note> Implausible::notes() const {
+  constexpr double kMany = 0.1;
+  std::vector<Note> found;
+  const auto n = static_cast<double>(n_);
+  const auto add_many = [&](NoteKind kind, std::size_t count, const char* subject = "") {
+    if (static_cast<double>(count) > kMany * n) found.push_back({kind, {static_cast<double>(count), n}, subject});
+  };
+  add_many(NoteKind::eps_above_1, n_above_one_);
+  add_many(NoteKind::eps_below_0, n_below_zero_);
+  add_many(NoteKind::odd_speeds, n_speeds_, of_heights_ ? "heights in the unit that was said" : "times in seconds");
+  return found;
 }
 
 std::optional<Note> note_of_repeated_drops(const RestitutionSamples& used) {

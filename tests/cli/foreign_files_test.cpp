@@ -64,6 +64,13 @@ TEST_F(ForeignFiles, OfTimesGiveTheAnswerAsARecordingDoes) {
   expect_one_line_error(run("analyze a.wav t/times.csv --out o"), 2, {"times.csv", "one kind at a time"});
 }
 
+TEST_F(ForeignFiles, OfWhichNoBallIsAreDoubtedByRestitutionToo) {
+  write("t.csv", "Time (s)\n0.4\n1\n1.7\n2.5\n3.4\n");
+  const Result result = run("restitution t.csv --out s.csv");
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_THAT(result.err, HasSubstr("3 of 3 samples have ε > 1: time order or units of the input?"));
+}
+
 TEST_F(ForeignFiles, GapsOfAContainersTimeStampsAreKept) {
   if (!has_ffmpeg()) GTEST_SKIP() << "ffmpeg is not installed: tools/setup --checks";
   write("a.wav", float_wav(bouncing(12, kEps, 0.6), 44100));

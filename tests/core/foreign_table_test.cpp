@@ -187,6 +187,9 @@ constexpr const char* kRead = R"x(
 6: blocks that are the drops | trial,Time (s)\n1,.4\n1,1\n1,1.51\n2,.1\n2,.6\n2,1\n |  | 0.4 1 1.51, 0.1 0.6 1 | in 2 drops
 6: numbers of the impacts | impact,Time (s)\n0,.4\n1,1\n2,1.51\n0,.1\n1,.6\n2,1\n |  | 0.4 1 1.51, 0.1 0.6 1 | in 2 drops
 6: blocks, answered | trial,Time (s)\n1,.4\n1,1\n2,1.51\n2,1.9435\n | --columns t=2 | 0.4 1 1.51 1.9435 | in 1 drop
+6: a drop in each column | A (s),B (s)\n.4,.1\n1,.6\n1.51,1\n1.9,\n | --columns t=A (s),t=B (s) | .4 1 1.51 1.9, .1 .6 1 | times in s (2 columns, ',' between): 7 impacts in 2 drops
+6: over midnight | at\n23:59:59.5\n23:59:59.9\n0:00:00.24\n0:00:00.5\n |  | 86399.5 86399.9 86400.24 86400.5 | in 1 drop
+7: a mean, answered | dt (s)\n.6\n.5\n.4\n.5\n | --columns t=1 | 0 .6 1.1 1.5 2 | intervals in s
 7: frames, answered | t_s\n1\n1.1\n1.2\n1.3\n1.4\n1.5\n1.6\n1.7\n | --as times | 1 1.1 1.2 1.3 1.4 1.5 1.6 1.7 | times
 7: seven equal steps | t_s,y\n1,9\n1.1,9\n1.2,7\n1.3,8\n1.4,3\n1.5,5\n1.6,6\n |  | 1 1.1 1.2 1.3 1.4 1.5 1.6 | times
 Audition | Name\tStart\tType\nMarker 1\t0:00.400\tCue\nMarker 2\t0:01.000\tCue\nMarker 3\t0:01.510\tCue\n |  | 0.4 1 1.51 | as clock
@@ -230,6 +233,12 @@ constexpr const char* kAsked = R"x(
 6: told the unit | Drop,t (s)\n1,400\n1,1000\n2,1510\n2,1900\n | --as times --unit ms | 'Drop' changes | --as times --unit ms --columns t=t (s),drop=Drop | .4 1, 1.51 1.9 | --as times --unit ms --columns t=t (s) | .4 1 1.51 1.9
 6: beside a blank line | n,Time (s)\n1,.4\n1,1\n2,1.51\n2,1.9\n\n3,3\n3,4\n |  | 'n' changes | --columns t=Time (s),drop=n | .4 1, 1.51 1.9, 3 4 | --columns t=Time (s) | .4 1 1.51 1.9, 3 4
 6: two columns drop | drop;drop;t_s\n1;1;.4\n1;2;1\n2;1;1.51\n |  | several columns are called drop
+6: a drop in each row | Drop;t1 (s);t2 (s);t3 (s)\n1;.4;1;1.51\n2;.1;.6;1\n |  | 3 columns | --columns t=t1 (s) | - | --columns t=t2 (s) | - | --columns t=t3 (s) | - | --as times | .4 1 1.51, .1 .6 1
+6: rows without titles | .4,1,1.51\n.1,.6,1.0\n |  | which column | --as times --unit s | .4 1 1.51, .1 .6 1
+7: a mean without a word | dt (s)\n.6\n.5\n.4\n.5\n |  | line 5: the last number is the mean | --as intervals --columns t=dt (s) | 0 .6 1.1 1.5 2
+7: a word in a row | t (s),note\n.4,\n1,\n1.51,catch\n |  | 'note' tells some rows from others: 'catch' | --columns t=t (s) | .4 1 1.51
+7: rows of two kinds | t (s);valid\n.4;TRUE\n1;TRUE\n1.51;FALSE\n1.9;TRUE\n |  | 'valid' tells some rows | --columns t=t (s) | .4 1 1.51 1.9
+7: falls from several heights | height,t (s)\n.2,.20\n.4,.28\n.6,.34\n |  | 'height' rises or falls beside the times | --columns t=t (s) | .2 .28 .34
 7: a mean | n;Time (s)\n1;0.4\n2;1\n3;1.51\nMean;2\n |  | line 5 begins with 'Mean'
 7: a mean as a drop | drop;Time (s)\n1;0.4\n1;1\n1;1.51\nMean;2\n |  | line 5 begins with 'Mean'
 7: frames | t_s,y\n0,9\n.1,9\n.2,8\n.3,7\n.4,6\n.5,5\n.6,4\n.7,3\n |  | equally spaced | --as times | 0 .1 .2 .3 .4 .5 .6 .7
@@ -292,6 +301,10 @@ a gap in a row | 0.4;1;;1.51\n |  | line 1, column 3: the cell is empty
 a time twice | Time (s)\n0.4\n1\n1.0\n1.51\n |  | line 4: the time of the row before it stands again
 no interval | dt (s)\n0.6\n0\n0.4\n |  | line 3: an interval of 0
 a drop again | drop;Time (s)\n1;0.4\n2;1\n1;1.51\n |  | line 4: drop '1' comes again
+a column of units | t (s),unit\n10,ms\n12,ms\n13.7,ms\n |  | line 4, column 'unit': 'ms' beside a number in s; write all numbers in one unit
+two units | a (s),b (ms)\n.4,400\n | --columns t=1,t=2 | have two units; write one
+a unit in a cell | n;Time (s)\n1;0.4\n2;1.0 s\n |  | '1.0 s' is not a number; write the numbers alone
+units in cells | n;Time\n1;0.4 s\n2;1.0 s\n |  | line 2, column 'Time': '0.4 s' is not a number; write the numbers alone
 two of that name | a,a\n0.1,0.2\n | --columns t=a | has no column 'a' (found: column 1, column 2)
 no such column | a,b\n0.1,0.2\n | --columns t=when | has no column 'when' (found: column 'a', column 'b')
 a clock time among numbers | t (ms)\n58000\n59000\n1:00.0\n |  | line 4, column 't (ms)': '1:00.0' is a clock time
@@ -320,13 +333,14 @@ constexpr const char* kTitles = R"x(
 1e-3 | t (ms) | time_ms | v (mm/s)
 1e-6 | t (us) | t [µs] | t / μs | t_us
 60 | t (min)
-1e-2 | y (cm) | v / cm/s
+1e-9 | t (ns)
+1e-2 | y (cm) | v / cm/s | t (cs)
 0.0254 | y (in) | v (in/s)
 0.3048 | y [ft] | v (ft/s)
 0.44704 | v (mph)
 0.2777777777777778 | v (km/h)
 0 | T^2 (s^2) | 1/T (1/s) | f (Hz) | Time (10^-3 s) | Time (x0.1 s) | Time (1/100 s) | s | m/s | Time | time (S) | v_in
-0 | t_min | time s | t (ds) | S1 | (t) | log time | t (s) of A | dt
+0 | t_min | time s | t (ds) | S1 | (t) | t () | log time | t (s) of A | dt
 )x";
 
 TEST(ForeignTable, ATitlesUnitIsWholeOrNone) {

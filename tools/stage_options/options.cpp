@@ -266,10 +266,10 @@ Description members_of(const ForeignFileOptions*) {
           .one_of("auto,times,intervals,heights"),
       member<&O::table, &ForeignOptions::unit>("unit", "Their unit; auto: that of their title")
           .one_of("auto,s,ms,us,m,cm,mm,in,ft"),
-      member<&O::table, &ForeignOptions::columns>(
-          "columns",
-          "Which columns are what, by title or number from 1; h0=COLUMN,h=COLUMN: heights before and after a bounce "
-          "(default: by the units of their titles)")
+      member<&O::table, &ForeignOptions::columns>("columns",
+                                                  "Which columns are what, by title or number from 1; t=1,t=2: a drop "
+                                                  "in each; h0=COLUMN,h=COLUMN: heights before "
+                                                  "and after a bounce (default: by the units of their titles)")
           .looks_like("t|h=COLUMN[,drop=COLUMN]"),
       member<&O::tier>(
           "tier",

@@ -47,10 +47,11 @@ fit::RestitutionCounts restitution_of_files(const std::vector<std::filesystem::p
                                             std::vector<Note>& notes) {
   fit::RestitutionInPieces restitution(config);
   std::vector<double> eps;  // 8 bytes each, for the median
+  report::Implausible implausible;
   const auto write = [&](const RestitutionSamples& rows) {
     samples.add(to_table(rows));
     for (const RestitutionSample& s : rows)
-      if (s.flags.empty()) eps.push_back(s.eps);
+      if (s.flags.empty()) eps.push_back(s.eps), implausible.add(s);
   };
   RecordingNames names;
   for (const std::filesystem::path& file : files) {
@@ -72,6 +73,7 @@ fit::RestitutionCounts restitution_of_files(const std::vector<std::filesystem::p
     names.end(notes);
   }
   write(restitution.finish());
+  notes = joined(std::move(notes), implausible.notes());
   fit::RestitutionCounts counts = restitution.counts();
   if (!eps.empty()) counts.eps_median = median(std::move(eps));
   return counts;

@@ -50,6 +50,10 @@ std::string column_name(const ForeignTable& table, std::size_t column) {
   return is_alone(table, title) ? "column '" + printable(title, 60) + "'" : "column " + std::to_string(column + 1);
 }
 
+std::string place_of(const ForeignTable& table, const ForeignTable::Row& row, std::size_t column) {
+  return "line " + std::to_string(row.line) + ", " + column_name(table, column);
+}
+
 std::string format_in_words(const ForeignTable& table) {
   std::string text;
   if (table.n_columns() > 1)
@@ -129,12 +133,19 @@ std::optional<TitleUnit> unit_of(const ForeignTable& table, const std::vector<st
   return common;
 }
 
+bool has_unit(const std::string& cell) {
+  const std::size_t behind = std::min(cell.find_first_not_of("0123456789.,+- "), cell.size());
+  return behind > 0 && unit_of_title("x (" + cell.substr(behind) + ")");
+}
+
 std::optional<NumberCell> number_in(const ForeignTable& table, const ForeignTable::Row& row, std::size_t column,
                                     const std::string& name) {
   const std::optional<NumberCell> number = table.number(row, column);
-  if (number || row.cells[column].empty()) return number;
-  throw FileError(name, "line " + std::to_string(row.line) + ", " + column_name(table, column) + ": '" +
-                            printable(row.cells[column], 60) + "' is not a number; correct it, or delete the line");
+  const std::string& cell = row.cells[column];
+  if (number || cell.empty()) return number;
+  throw FileError(name, place_of(table, row, column) + ": '" + printable(cell, 60) + "' is not a number; " +
+                            (has_unit(cell) ? "write the numbers alone, and their unit once, in the title: Time (s)"
+                                            : "correct it, or delete the line"));
 }
 
 std::string column_option(const ForeignTable& table, std::string_view key, std::size_t column) {
@@ -200,8 +211,8 @@ void add_own_columns(const ForeignTable& foreign, const std::vector<ColumnSpec>&
                      Table& table) {
   for (const ColumnSpec& spec : own) {
     const auto column = own_column(foreign, spec.name);
-    if (!column || std::any_of(table.columns.begin(), table.columns.end(),
-                               [&](const Column& c) { return c.name == spec.name; }))
+    if (!column ||
+        std::any_of(table.columns.begin(), table.columns.end(), [&](const Column& c) { return c.name == spec.name; }))
       continue;
     Column values = empty_column(spec);
     auto* const wholes = std::get_if<std::vector<std::int64_t>>(&values.values);

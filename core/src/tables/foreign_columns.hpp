@@ -17,6 +17,8 @@ namespace bouncelab {
 std::string title_of(const ForeignTable& table, std::size_t column);
 /// For messages: "column 'Time (s)'", "column 2".
 std::string column_name(const ForeignTable& table, std::size_t column);
+/// "line 3, column 'Time (s)'"
+std::string place_of(const ForeignTable& table, const ForeignTable::Row& row, std::size_t column);
 std::string format_in_words(const ForeignTable& table);
 
 /// The columns that --columns names for a key: "t=Time (s),drop=2". @throws InvalidArgument, FileError
@@ -31,6 +33,8 @@ std::optional<std::size_t> own_column(const ForeignTable& table, std::string_vie
 void add_own_columns(const ForeignTable& foreign, const std::vector<ColumnSpec>& own, const std::string& name,
                      Table& table);
 
+/// "0.5 s"
+bool has_unit(const std::string& cell);
 /// A number, nothing where the cell is empty. @throws FileError of any other cell, with its line and column
 std::optional<NumberCell> number_in(const ForeignTable& table, const ForeignTable::Row& row, std::size_t column,
                                     const std::string& name);
@@ -42,11 +46,12 @@ std::optional<TitleUnit> unit_of(const ForeignTable& table, std::size_t column);
 std::optional<TitleUnit> unit_of(const ForeignTable& table, const std::vector<std::size_t>& columns,
                                  Dimension dimension, const std::string& name);
 
-/// The rows in which two columns have numbers, by which a bounce is told: lines, and the two. @throws FileError
+/// Two numbers of a row, such as before and after a bounce.
 struct PairOfCells {
   const ForeignTable::Row* row = nullptr;
   NumberCell first, second;
 };
+/// Of the rows that have both. @throws FileError
 std::vector<PairOfCells> pairs_in(const ForeignTable& table, std::size_t first, std::size_t second,
                                   const std::string& name);
 

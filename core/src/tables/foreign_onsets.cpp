@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Times, intervals and heights of other people's tables. The rule, whole (docs/formats.md, "Files of other programs"):
 //
-//   the column: --columns t=... or h=...; else our t_s; else the one whose title has a unit of time (of length), or whose
+//   the column: --columns t=... or h=...; else our t_s; else the one whose title has a unit of time (of length), or
+//   whose
 //               cells are clock times, dates with times, or seconds (ms, us, ns) since 1970; else, untitled, the only
 //               column or row
 //   what it is: --as; else heights, if its unit is of length; else intervals, if its title is dt, Delta t or interval;
@@ -27,222 +28,6 @@
 namespace bouncelab {
 namespace {
 
-using Reading = AmbiguousTable::Reading;
-
-TitleUnit unit_called(const std::string& name) {
-  return unit_of_title("x (" + name + ")").value_or(TitleUnit{Dimension::speed, 0.0, name, {}});
-}
-
-/// In the median, in the unit of the numbers; 0 of a single time.
-double typical_interval(const Sequence& sequence, bool intervals) {
-  std::vector<double> lengths;
-  for (std::size_t k = 0; k < sequence.values.size(); ++k) {
-    const NumberCell* before = sequence.before(k);
-    const double length = sequence.values[k].number.value - (before && !intervals ? before->value : 0.0);
-    if (length > 0.0 && (intervals || before)) lengths.push_back(length);
-  }
-  return lengths.empty() ? 0.0 : median(std::move(lengths));
-}
-
-/// Are numbers in this unit those of a ball that is dropped in a room?
-bool are_of_a_ball(const Sequence& sequence, const std::string& as, double si) {
-  if (as == "heights") {
-    constexpr double kLeast_m = 0.05, kMost_m = 4.0;
-    const double height_m = si * sequence.values.front().number.value;
-    return height_m > kLeast_m && height_m < kMost_m;
-  }
-  constexpr double kSlowest_mps = 0.02, kFastest_mps = 30.0, kGravity_mps2 = 9.81;
-  const double v_mps = 0.5 * kGravity_mps2 * si * typical_interval(sequence, as == "intervals");
-  return v_mps >= kSlowest_mps && v_mps <= kFastest_mps;
-}
-
-/// What numbers without a unit, or of a unit that is known, may be.
-/// @param as  the meanings, in the order in which they are offered
-std::vector<Reading> readings_of(const Sequence& sequence, const std::vector<const char*>& as, bool has_unit,
-                                 const ForeignOptions& options, const std::string& key_columns) {
-  std::vector<Reading> readings;
-  const bool are_positive = std::all_of(sequence.values.begin(), sequence.values.end(),
-                                        [](const Sequence::Value& value) { return value.number.value > 0.0; });
-  for (const char* unit : {"s", "ms", "us", "m", "cm", "mm"})
-    for (const char* one : as) {
-      const TitleUnit known = unit_called(unit);
-      if ((known.dimension == Dimension::length) != (std::string(one) == "heights")) continue;
-      if (has_unit ? known.si == 1.0
-                   : (are_positive || *one == 't') && are_of_a_ball(sequence, one, known.si))
-        readings.push_back({std::string(one) + " in " + (has_unit ? sequence.unit->name : unit),
-                            {one, has_unit ? options.unit : unit, key_columns}});
-    }
-  return readings;
-}
-
-/// --columns with these columns, and what was told of drops.
-std::string with_drops(const ForeignTable& table, const ForeignOptions& options, const Selection& selection) {
-  std::string text = columns_option(table, selection.key(), selection.columns);
-  for (const std::string_view part : cells_of(options.columns, ','))
-    if (part.starts_with("drop=")) text += "," + std::string(part);
-  return text;
-}
-
-/// A column's numbers as far as they are numbers.
-Sequence glance_at(const ForeignTable& table, const Selection& selection) {
-  Sequence sequence;
-  const std::size_t n = selection.columns.size();
-  for (std::size_t k = 0; k < n * table.rows.size(); ++k) {
-    const std::size_t row = selection.by_rows ? k / n : k % table.rows.size(),
-                      column = selection.by_rows ? k % n : k / table.rows.size();
-    if (const auto number = table.number(table.rows[row], selection.columns[column]))
-      sequence.values.push_back({*number, row, static_cast<std::int64_t>(selection.by_rows ? row : column)});
-  }
-  sequence.has_drops = n > 1;
-  sequence.unit = unit_of(table, selection.columns[0]);
-  return sequence;
-}
-
-/// What a column without a unit would be: times or intervals of a ball in s, ms or us.
-std::vector<Reading> likely_readings(const ForeignTable& table, const ForeignOptions& options, std::size_t column) {
-  const Selection selection{{column}, Dimension::time, false};
-  const Sequence sequence = glance_at(table, selection);
-  if (unit_of(table, column) || sequence.values.size() < 3 || has_equal_steps(sequence) || numbers_rows(table, column))
-    return {};
-  const bool times = rises(sequence);
-  for (std::size_t k = 1; k < sequence.values.size(); ++k)
-    if (times && sequence.values[k].number.value == sequence.values[k - 1].number.value) return {};
-  std::vector<Reading> readings = readings_of(sequence, {times ? "times" : "intervals"}, false, options,
-                                              with_drops(table, options, selection));
-  readings.resize(std::min<std::size_t>(1, readings.size()));
-  for (Reading& reading : readings) reading.meaning += " by " + column_name(table, column);
-  return readings;
-}
-
-/// Which columns or rows are read.
-Selection selection_of(const ForeignTable& table, const ForeignOptions& options, const std::string& name) {
-  const auto said = [&](const char* as) { return options.as == as; };
-  for (const Dimension dimension : {Dimension::time, Dimension::length})
-    if (Selection told{told_columns(table, options, dimension == Dimension::time ? "t" : "h", name), dimension, false};
-        !told.columns.empty())
-      return told;
-  std::vector<std::size_t> all, measured, times, lengths;
-  for (std::size_t k = 0; k < table.n_columns(); ++k) {
-    all.push_back(k);
-    const auto unit = unit_of(table, k);
-    if (!unit) continue;
-    measured.push_back(k);
-    if (unit->dimension == Dimension::time) times.push_back(k);
-    if (unit->dimension == Dimension::length) lengths.push_back(k);
-  }
-  const bool is_told = !said("auto"), are_heights =
-      said("heights") || (!is_told && unit_called(options.unit).dimension == Dimension::length) ||
-      (!is_told && times.empty() && !lengths.empty());
-  const std::vector<std::size_t>& wanted = are_heights ? lengths : times;
-  const Dimension dimension = are_heights ? Dimension::length : Dimension::time;
-  if (const auto own = own_column(table, "t_s"); own && !are_heights) return {{*own}, Dimension::time, false};
-
-  std::vector<Reading> readings, likely;
-  std::vector<std::size_t> likely_columns;
-  for (const std::size_t k : all)
-    for (Reading& reading : likely_readings(table, options, k)) {
-      if (reading.options.as == "times") likely_columns.push_back(k);
-      likely.push_back(std::move(reading));
-    }
-  // several drops side by side, or one in each row
-  const auto are_alike = [&](const std::vector<std::size_t>& columns) {
-    return columns.size() > 1 && std::all_of(columns.begin(), columns.end(), [&](std::size_t k) {
-             return measured.empty() || unit_of(table, k)->name == unit_of(table, columns[0])->name;
-           });
-  };
-  const Selection columns{measured.empty() ? likely_columns : wanted, dimension, false},
-      rows{measured.empty() ? all : wanted, dimension, true};
-  const bool is_row = table.rows.size() == 1 && are_alike(rows.columns) &&
-                      std::all_of(all.begin(), all.end(), [&](std::size_t k) {
-                        return table.rows[0].cells[k].empty() || measured.empty() ||
-                               std::find(wanted.begin(), wanted.end(), k) != wanted.end();
-                      });
-  const bool are_columns = !is_row && are_alike(columns.columns) && goes_one_way(glance_at(table, columns)),
-             are_rows = !is_row && !are_columns && are_alike(rows.columns) && goes_one_way(glance_at(table, rows)) &&
-                        (!measured.empty() || table.titles.empty());
-  if ((is_row && (is_told || table.titles.empty())) || (are_rows && is_told)) return rows;
-
-  const auto in_order = [&](std::size_t k) {
-    const Selection one{{k}, unit_of(table, k)->dimension, false};
-    readings.push_back({(one.dimension == Dimension::length ? "heights, one after the other, of " : "") +
-                            column_name(table, k),
-                        {one.dimension == Dimension::length ? "heights" : options.as, options.unit,
-                         with_drops(table, options, one)}});
-  };
-  const auto pair = [&](std::size_t before, std::size_t after, const std::string& as) {
-    readings.push_back({"before and after a bounce, from " + column_name(table, before) + " to " +
-                            column_name(table, after),
-                        {as, options.unit, column_option(table, "h0", before) + "," + column_option(table, "h", after)}});
-  };
-  if (wanted.size() == 1 && (measured.size() == 1 || is_told)) {
-    in_order(wanted[0]);
-    std::string other;
-    for (std::size_t k = 0; k < table.n_columns(); ++k) {
-      const Sequence beside = glance_at(table, {{k}, dimension, false});
-      const bool names_unit = title_of(table, k).find_first_of("([/^") != std::string::npos;
-      const bool may_be_read = are_heights ? !is_told && !beside.values.empty()
-                                           : (goes_one_way(beside) && !names_unit) ||
-                                                 std::find(likely_columns.begin(), likely_columns.end(), k) !=
-                                                     likely_columns.end();
-      if (unit_of(table, k) || title_of(table, k) == "drop" || numbers_rows(table, k) || !may_be_read) continue;
-      other = column_name(table, k);
-      if (are_heights) pair(wanted[0], k, "heights");
-    }
-    if (!are_heights) readings.insert(readings.end(), likely.begin(), likely.end());
-    if (other.empty()) return {wanted, dimension, false};
-    ask(table, name,
-        are_heights ? "has heights and another column of numbers: what is it?"
-                    : other + " rises or falls beside the times: are the rows the bounces of one ball, one after the "
-                              "other, and which column is read?",
-        std::move(readings));
-  }
-  if (table.n_columns() == 1 && (is_told ? measured.empty() || !wanted.empty() : table.titles.empty())) return {{0}, dimension, false};
-
-  if (is_row)
-    ask(table, name,
-        are_heights ? "has heights in a row: of one ball, from its release on?"
-                    : std::to_string(rows.columns.size()) + " columns are of a time, in one row: of one ball?",
-        {{"they are",
-          {are_heights ? "heights" : rises(glance_at(table, rows)) ? "times" : "intervals", options.unit, {}}}});
-  std::string question;
-  if (said("heights")) {
-    question = "which column holds heights?";
-    for (const std::size_t k : all)
-      if (table.number(table.rows.front(), k) && !numbers_rows(table, k))
-        readings.push_back({"one after the other, " + column_name(table, k),
-                            {"heights", options.unit, column_option(table, "h", k)}});
-    if (readings.size() == 2 && table.n_columns() == 2) pair(0, 1, "heights");
-  } else if (are_heights && lengths.size() == 2 && measured.size() == 2) {
-    question = "two columns are heights: before and after a bounce?";
-    const auto x = table.number(table.rows.front(), lengths[0]), y = table.number(table.rows.front(), lengths[1]);
-    if (x && y && std::abs(x->value) < std::abs(y->value)) std::swap(lengths[0], lengths[1]);
-    pair(lengths[0], lengths[1], "auto");
-  } else if (!times.empty()) {
-    question = times.size() > 1 ? std::to_string(times.size()) + " columns are of a time; which is read?"
-                                : "has a time and another measured quantity: which is to be read?";
-    for (const std::size_t k : times) in_order(k);
-    if (times.size() == 1)
-      for (const std::size_t k : lengths) in_order(k);
-  } else if (!measured.empty()) {
-    question = "no column is a time: " + column_name(table, measured.front()) +
-               " is another quantity; bouncelab fit takes speeds and coefficients";
-  } else {
-    question =
-        table.titles.empty() ? "which column is of times or intervals?" : "no title has a unit of time, such as Time (s)";
-    readings = likely;
-  }
-  if ((are_columns || are_rows) && !are_heights && options.columns.empty()) {
-    const Selection& several = are_columns ? columns : rows;
-    const Sequence numbers = glance_at(table, several);
-    for (const Reading& reading :
-         readings_of(numbers, {rises(numbers) ? "times" : "intervals"}, !measured.empty(), options,
-                     are_columns ? columns_option(table, "t", several.columns) : ""))
-      readings.push_back({(are_columns ? "a drop in each column, " : "a drop in each row, ") + reading.meaning,
-                          reading.options});
-  }
-  ask(table, name, question, std::move(readings));
-}
-
 /// What the numbers are: --as, or what they prove.
 std::string meaning_of(const ForeignTable& table, const Selection& selection, const Sequence& sequence,
                        const ForeignOptions& options, const std::string& name) {
@@ -259,8 +44,9 @@ std::string meaning_of(const ForeignTable& table, const Selection& selection, co
     if (reading.options.as == "heights" && !table.titles.empty())
       reading.options.columns = columns_option(table, "h", selection.columns);
   ask(table, name,
-      (selection.by_rows || selection.columns.size() > 1 ? "the numbers"
-                                                         : "the numbers of " + column_name(table, selection.columns[0])) +
+      (selection.by_rows || selection.columns.size() > 1
+           ? "the numbers"
+           : "the numbers of " + column_name(table, selection.columns[0])) +
           (titled ? " rise, as times do, and their title says intervals"
                   : " do not rise from row to row, as times do: intervals?"),
       std::move(readings));
@@ -332,9 +118,10 @@ Times times_of_flights(const Sequence& sequence, double si, bool heights, const 
     const double value = here.number.value;
     const std::string place = "line " + std::to_string(here.line) + ": ";
     if (!(value > 0.0))
-      throw FileError(name, place + (heights ? "a height of " + short_number(value) + "; heights are above 0: leave it out"
-                                             : "an interval of " + short_number(value) +
-                                                   "; intervals are above 0: leave it out, or say --as times"));
+      throw FileError(name,
+                      place + (heights ? "a height of " + short_number(value) + "; heights are above 0: leave it out"
+                                       : "an interval of " + short_number(value) +
+                                             "; intervals are above 0: leave it out, or say --as times"));
     const NumberCell* before = sequence.before(k);
     sum = before ? sum + before->value : 0.0, n = before ? n + 1.0 : 0.0;
     const bool is_last = k + 1 == sequence.values.size() || !sequence.before(k + 1);
@@ -342,7 +129,8 @@ Times times_of_flights(const Sequence& sequence, double si, bool heights, const 
       times.mean = place + "the last number is the mean of those before it: was it measured? Else delete the line";
     const bool begins = !before || (!sequence.has_drops && value > grown * before->value);
     if (before && !begins && !sequence.has_drops && value > risen * before->value && times.risen.empty())
-      times.risen = place + "the ball rose higher than before; a new drop? Write a blank line above it, or a column drop";
+      times.risen =
+          place + "the ball rose higher than before; a new drop? Write a blank line above it, or a column drop";
     if (begins) times.t_s.push_back(0.0), times.drop.push_back(++drop);
     times.drop_of_value.push_back(drop);
     if (heights) times.fall_m.push_back(si * value);
@@ -408,7 +196,7 @@ TakenTable onsets_from_foreign(const ForeignTable& table, const std::string& nam
   const TitleUnit unit = unit_of_numbers(table, sequence, as, options, name);
   Times times = as == "times" ? times_of_times(sequence, unit.si, name)
                               : times_of_flights(sequence, unit.si, as == "heights", name);
-  if (!are_pairs) check_others(table, selection, sequence, times.drop_of_value, options, name);
+  if (!are_pairs) check_others(table, selection, sequence, unit, times.drop_of_value, options, name);
   if (!times.risen.empty()) ask(table, name, times.risen, {});
   if (!times.mean.empty() && options.columns.empty())
     ask(table, name, times.mean,
@@ -429,12 +217,13 @@ TakenTable onsets_from_foreign(const ForeignTable& table, const std::string& nam
     add_own_columns(table, own, name, taken.table);
   }
   for (std::size_t k = 0; k < n_impacts && as == "times"; ++k) taken.table.stands_on(k, sequence.values[k].line);
-  const std::string how = are_pairs ? column_name(table, *from) + " and " + column_name(table, *to)
-                                    : source_in_words(table, selection);
-  taken.taken_for = as + (as == "heights" ? "" : (unit.name == kClock ? " as " : " in ") + unit.name) +
-                    (are_pairs ? " before and after" : "") + (how.empty() ? "" : " (" + how + ")") + ": " +
-                    (as == "heights" ? counted(n_impacts - n_drops, "bounce") : std::to_string(n_impacts) + " impacts") +
-                    " in " + counted(n_drops, "drop");
+  const std::string how =
+      are_pairs ? column_name(table, *from) + " and " + column_name(table, *to) : source_in_words(table, selection);
+  taken.taken_for =
+      as + (as == "heights" ? "" : (unit.name == kClock ? " as " : " in ") + unit.name) +
+      (are_pairs ? " before and after" : "") + (how.empty() ? "" : " (" + how + ")") + ": " +
+      (as == "heights" ? counted(n_impacts - n_drops, "bounce") : std::to_string(n_impacts) + " impacts") + " in " +
+      counted(n_drops, "drop");
   return taken;
 }
 

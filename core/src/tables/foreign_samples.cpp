@@ -16,27 +16,22 @@ namespace bouncelab {
 namespace {
 
 [[noreturn]] void ask_for_columns(const ForeignTable& table, const std::string& name) {
-  constexpr std::size_t kReadings = 4;
-  std::vector<AmbiguousTable::Reading> readings;
-  for (std::size_t v = 0; v < table.n_columns(); ++v)
-    for (std::size_t eps = 0; eps < table.n_columns() && readings.size() < kReadings; ++eps) {
-      const auto speed = unit_of_title(title_of(table, v));
-      if (!speed || speed->dimension != Dimension::speed || unit_of_title(title_of(table, eps)) ||
-          !table.number(table.rows.front(), eps))
-        continue;
-      ForeignOptions options;
-      options.columns = column_option(table, "v", v) + "," + column_option(table, "eps", eps);
-      readings.push_back({column_name(table, eps) + " is the coefficient", options});
-    }
-  std::vector<std::size_t> speeds;
-  for (std::size_t k = 0; k < table.n_columns(); ++k)
-    if (const auto unit = unit_of_title(title_of(table, k)); unit && unit->dimension == Dimension::speed)
-      speeds.push_back(k);
-  if (speeds.size() == 2) {
-    ForeignOptions options;
-    options.columns = column_option(table, "v_in", speeds[0]) + "," + column_option(table, "v_out", speeds[1]);
-    readings.insert(readings.begin(), {"speeds before and after", options});
+  std::vector<std::size_t> speeds, others;
+  for (std::size_t k = 0; k < table.n_columns(); ++k) {
+    const auto unit = unit_of_title(title_of(table, k));
+    if (unit && unit->dimension == Dimension::speed) speeds.push_back(k);
+    if (!unit && table.number(table.rows.front(), k)) others.push_back(k);
   }
+  std::vector<AmbiguousTable::Reading> readings;
+  if (speeds.size() == 2)
+    readings.push_back(
+        {"speeds before and after",
+         {"auto", "auto", column_option(table, "v_in", speeds[0]) + "," + column_option(table, "v_out", speeds[1])}});
+  for (const std::size_t v : speeds)
+    for (const std::size_t eps : others)
+      if (constexpr std::size_t kReadings = 4; readings.size() < kReadings)
+        readings.push_back({column_name(table, eps) + " is the coefficient",
+                            {"auto", "auto", column_option(table, "v", v) + "," + column_option(table, "eps", eps)}});
   ask(table, name,
       "which columns are the speed and the coefficient of restitution? Name them: --columns v=COLUMN,eps=COLUMN, or "
       "v_in=COLUMN,v_out=COLUMN before and after a bounce; "

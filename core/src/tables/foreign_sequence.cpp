@@ -13,18 +13,19 @@
 namespace bouncelab {
 namespace {
 
-/// Refuses "867" beside "1,412": does the sign part thousands?
+/// "867" beside "1,412": does the sign part thousands?
 class Thousands {
  public:
-  void check(const std::string& cell, double value, const std::string& place, const std::string& name) {
+  /// What is said of them; empty as long as there are not both.
+  std::string doubt(const std::string& cell, double value) {
     const std::size_t sign = cell.find_first_not_of("0123456789");
     if (sign == std::string::npos && value >= 100.0) whole_ = cell;
     if (sign != std::string::npos && sign > 0 && cell.front() != '0' && (cell[sign] == '.' || cell[sign] == ',') &&
         cell.size() == sign + 4 && cell.find_first_not_of("0123456789", sign + 1) == std::string::npos)
       parted_ = cell;
-    if (!whole_.empty() && !parted_.empty())
-      throw FileError(name, place + ": '" + printable(parted_, 60) + "' beside '" + printable(whole_, 60) +
-                                "': does the sign part thousands? Write numbers without it");
+    if (whole_.empty() || parted_.empty()) return {};
+    return "'" + printable(parted_, 60) + "' beside '" + printable(whole_, 60) +
+           "': does the sign part thousands? Write numbers without it";
   }
 
  private:
@@ -62,7 +63,6 @@ Sequence numbers_of(const ForeignTable& table, const Selection& selection, const
   for (std::size_t k = 0; k < table.rows.size() * columns.size(); ++k) {
     const ForeignTable::Row& row = table.rows[by_rows ? k / length : k % length];
     const std::size_t column = columns[by_rows ? k % length : k / length];
-    const std::string place = "line " + std::to_string(row.line) + ", " + column_name(table, column);
     bool begins = k % length == 0 || (!drop && !by_rows && row.follows_blank);
     if (k % length == 0) drops.clear();
     if (drop && !row.cells[*drop].empty() && (drops.empty() || drops.back() != row.cells[*drop])) {
@@ -76,16 +76,17 @@ Sequence numbers_of(const ForeignTable& table, const Selection& selection, const
     if (begins && has_begun) ++part, gap.clear();
     auto number = number_in(table, row, column, name);
     if (!number) {
-      if (has_begun && !begins && gap.empty()) gap = place;
+      if (has_begun && !begins && gap.empty()) gap = place_of(table, row, column);
       continue;
     }
-    thousands.check(row.cells[column], number->value, place, name);
+    if (const std::string doubt = thousands.doubt(row.cells[column], number->value); !doubt.empty())
+      throw FileError(name, place_of(table, row, column) + ": " + doubt);
     if (!gap.empty())
       throw FileError(name, gap + ": the cell is empty, and without it two intervals would be one; write it" +
                                 (by_rows ? "" : ", or a blank line in its place, which begins a new drop"));
     if (number->is_clock && !(sequence.unit && sequence.unit->si == 1.0))
-      throw FileError(
-          name, place + ": '" + printable(row.cells[column], 60) + "' is a clock time, and others are not");
+      throw FileError(name, place_of(table, row, column) + ": '" + printable(row.cells[column], 60) +
+                                "' is a clock time, and others are not");
     if (number->is_clock && has_begun && !begins)
       number->value = behind_midnight(number->value, sequence.values.back().number.value);
     sequence.values.push_back({*number, row.line, part});
@@ -191,10 +192,24 @@ Marks marks_of(const ForeignTable& table, std::size_t column) {
   return marks;
 }
 
+/// A column of units, "ms" in each row, that are not the one in which the numbers are read.
+void check_units(const ForeignTable& table, std::size_t column, const TitleUnit& unit, const std::string& name) {
+  const ForeignTable::Row* other = nullptr;
+  for (const ForeignTable::Row& row : table.rows) {
+    const auto known = unit_of_title("x (" + row.cells[column] + ")");
+    if (!known || known->dimension != unit.dimension) return;  // "in", and out
+    if (known->si != unit.si) other = &row;
+  }
+  if (other)
+    throw FileError(name, place_of(table, *other, column) + ": '" + other->cells[column] + "' beside a number in " +
+                              unit.name + "; write all numbers in one unit, and this unit in their title: Time (" +
+                              other->cells[column] + ")");
+}
+
 }  // namespace
 
 void check_others(const ForeignTable& table, const Selection& selection, const Sequence& sequence,
-                  const std::vector<std::int64_t>& drop_of_value, const ForeignOptions& options,
+                  const TitleUnit& unit, const std::vector<std::int64_t>& drop_of_value, const ForeignOptions& options,
                   const std::string& name) {
   const auto& values = sequence.values;
   const ForeignOptions as_it_is{options.as, options.unit, columns_option(table, selection.key(), selection.columns)};
@@ -205,6 +220,7 @@ void check_others(const ForeignTable& table, const Selection& selection, const S
     if (k == selection.columns.front() || unit_of(table, k) ||
         std::any_of(own.begin(), own.end(), [&](const ColumnSpec& spec) { return spec.name == title; }))
       continue;
+    if (options.unit == "auto") check_units(table, k, unit, name);
     const Marks marks = marks_of(table, k);
     std::vector<std::int64_t> drop_of_block(marks.block_of_row.back() + 1, -1);
     bool same = static_cast<std::int64_t>(drop_of_block.size()) == drop_of_value.back() + 1;
@@ -221,7 +237,7 @@ void check_others(const ForeignTable& table, const Selection& selection, const S
       ask(table, name,
           column_name(table, k) + " tells some rows from others" +
               (marks.word.empty() ? "" : ": '" + printable(marks.word, 60) + "'") +
-              "; is each row an impact of one ball? Delete the rows that are not",
+              "; is each row an impact of one ball? Else delete the others, or write a table of each ball",
           {{"it is", as_it_is}});
     std::vector<AmbiguousTable::Reading> readings{{"it does not", as_it_is}};
     if (may_be_drops) {

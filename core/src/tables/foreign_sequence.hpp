@@ -53,11 +53,25 @@ bool goes_one_way(const Sequence& sequence);
 /// Is each step as long as the first, within the rounding?
 bool has_equal_steps(const Sequence& sequence);
 
-/// Asks about columns that may tell more than is read: blocks ("1 1 1 2 2 2") that are not the drops found, words in some
-/// rows.
+using Reading = AmbiguousTable::Reading;
+
+TitleUnit unit_called(const std::string& name);
+/// In the median, in the unit of the numbers; 0 of a single time.
+double typical_interval(const Sequence& sequence, bool intervals);
+/// Are numbers in this unit those of a ball that is dropped in a room?
+bool are_of_a_ball(const Sequence& sequence, const std::string& as, double si);
+/// What numbers without a unit, or of a unit that is known, may be.
+/// @param as  "times", "intervals", "heights" in the order in which they are offered
+std::vector<Reading> readings_of(const Sequence& sequence, const std::vector<const char*>& as, bool has_unit,
+                                 const ForeignOptions& options, const std::string& columns);
+/// Which columns or rows are read. @throws FileError, AmbiguousTable
+Selection selection_of(const ForeignTable& table, const ForeignOptions& options, const std::string& name);
+
+/// Asks about columns that may tell more than is read: blocks ("1 1 1 2 2 2") that are not the drops found, words in
+/// some rows. @throws FileError: a column names another unit
 /// @param drop_of_value  of each number of the sequence
 void check_others(const ForeignTable& table, const Selection& selection, const Sequence& sequence,
-                  const std::vector<std::int64_t>& drop_of_value, const ForeignOptions& options,
+                  const TitleUnit& unit, const std::vector<std::int64_t>& drop_of_value, const ForeignOptions& options,
                   const std::string& name);
 
 }  // namespace bouncelab

@@ -145,15 +145,16 @@ struct KnownUnit {
   Dimension dimension;
   double si;
 };
-constexpr std::array<KnownUnit, 23> kUnits{
+constexpr auto kUnits = std::to_array<KnownUnit>(
     {{"s", Dimension::time, 1.0},          {"sec", Dimension::time, 1.0},         {"ms", Dimension::time, 1e-3},
-     {"us", Dimension::time, 1e-6},        {"\xC2\xB5s", Dimension::time, 1e-6},  // micro sign
-     {"\xCE\xBCs", Dimension::time, 1e-6},                                        // Greek mu
+     {"cs", Dimension::time, 1e-2},        {"ns", Dimension::time, 1e-9},         {"us", Dimension::time, 1e-6},
+     {"\xC2\xB5s", Dimension::time, 1e-6},  // micro sign
+     {"\xCE\xBCs", Dimension::time, 1e-6},  // Greek mu
      {"min", Dimension::time, 60.0},       {"m", Dimension::length, 1.0},         {"cm", Dimension::length, 1e-2},
      {"mm", Dimension::length, 1e-3},      {"in", Dimension::length, 0.0254},     {"ft", Dimension::length, 0.3048},
      {"mps", Dimension::speed, 1.0},       {"m/s", Dimension::speed, 1.0},        {"cm/s", Dimension::speed, 1e-2},
      {"mm/s", Dimension::speed, 1e-3},     {"km/h", Dimension::speed, 1.0 / 3.6}, {"mph", Dimension::speed, 0.44704},
-     {"ft/s", Dimension::speed, 0.3048},   {"in/s", Dimension::speed, 0.0254}}};
+     {"ft/s", Dimension::speed, 0.3048},   {"in/s", Dimension::speed, 0.0254}});
 
 const KnownUnit* unit_named(std::string_view name) {
   const auto* const known =

@@ -123,6 +123,18 @@ std::optional<Note> note_of_repeated_drops(const RestitutionSamples& used);
 /// "a.wav: ε = 0.9477 ± 0.0003 (95 %: 0.9470 to 0.9484) at 0.25 m/s", or why there is none.
 std::string in_words(const RecordingAnswer& recording);
 
+/// Counts samples that no ball gives, one by one.
+class Implausible {
+ public:
+  void add(const RestitutionSample& sample);
+  /// Of each kind of which there are more than a tenth: eps above 1, eps below 0, speeds of no ball.
+  std::vector<Note> notes() const;
+
+ private:
+  std::size_t n_ = 0, n_above_one_ = 0, n_below_zero_ = 0, n_speeds_ = 0;
+  bool of_heights_ = false;
+};
+
 /// What samples say of their drops.
 /// @param samples  in any order
 /// @param heights  of the fit to them, if the first impact heard was the first

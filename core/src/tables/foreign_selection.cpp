@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Which columns or rows of other people's tables are read, and what their numbers may be.
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "bouncelab/core/error.hpp"
+#include "bouncelab/core/numerics.hpp"
+#include "tables/foreign_sequence.hpp"
+
+namespace bouncelab {
+
+TitleUnit unit_called(const std::string& name) {
+  return unit_of_title("x (" + name + ")").value_or(TitleUnit{Dimension::speed, 0.0, name, {}});
+}
+
+double typical_interval(const Sequence& sequence, bool intervals) {
+  std::vector<double> lengths;
+  for (std::size_t k = 0; k < sequence.values.size(); ++k) {
+    const NumberCell* before = sequence.before(k);
+    const double length = sequence.values[k].number.value - (before && !intervals ? before->value : 0.0);
+    if (length > 0.0 && (intervals || before)) lengths.push_back(length);
+  }
+  return lengths.empty() ? 0.0 : median(std::move(lengths));
+}
+
+bool are_of_a_ball(const Sequence& sequence, const std::string& as, double si) {
+  if (as == "heights") {
+    constexpr double kLeast_m = 0.05, kMost_m = 4.0;
+    const double height_m = si * sequence.values.front().number.value;
+    return height_m > kLeast_m && height_m < kMost_m;
+  }
+  constexpr double kSlowest_mps = 0.02, kFastest_mps = 30.0, kGravity_mps2 = 9.81;
+  const double v_mps = 0.5 * kGravity_mps2 * si * typical_interval(sequence, as == "intervals");
+  return v_mps >= kSlowest_mps && v_mps <= kFastest_mps;
+}
+
+std::vector<Reading> readings_of(const Sequence& sequence, const std::vector<const char*>& as, bool has_unit,
+                                 const ForeignOptions& options, const std::string& key_columns) {
+  std::vector<Reading> readings;
+  const bool are_positive = std::all_of(sequence.values.begin(), sequence.values.end(),
+                                        [](const Sequence::Value& value) { return value.number.value > 0.0; });
+  for (const char* unit : {"s", "ms", "us", "m", "cm", "mm"})
+    for (const char* one : as) {
+      const TitleUnit known = unit_called(unit);
+      if ((known.dimension == Dimension::length) != (std::string(one) == "heights")) continue;
+      if (has_unit ? known.si == 1.0 : (are_positive || *one == 't') && are_of_a_ball(sequence, one, known.si))
+        readings.push_back({std::string(one) + " in " + (has_unit ? sequence.unit->name : unit),
+                            {one, has_unit ? options.unit : unit, key_columns}});
+    }
+  return readings;
+}
+
+namespace {
+
+/// --columns with these columns, and what was told of drops.
+std::string with_drops(const ForeignTable& table, const ForeignOptions& options, const Selection& selection) {
+  std::string text = columns_option(table, selection.key(), selection.columns);
+  for (const std::string_view part : cells_of(options.columns, ','))
+    if (part.starts_with("drop=")) text += "," + std::string(part);
+  return text;
+}
+
+/// A column's numbers as far as they are numbers.
+Sequence glance_at(const ForeignTable& table, const Selection& selection) {
+  Sequence sequence;
+  const std::size_t n = selection.columns.size();
+  for (std::size_t k = 0; k < n * table.rows.size(); ++k) {
+    const std::size_t row = selection.by_rows ? k / n : k % table.rows.size(),
+                      column = selection.by_rows ? k % n : k / table.rows.size();
+    if (const auto number = table.number(table.rows[row], selection.columns[column]))
+      sequence.values.push_back({*number, row, static_cast<std::int64_t>(selection.by_rows ? row : column)});
+  }
+  sequence.has_drops = n > 1;
+  sequence.unit = unit_of(table, selection.columns[0]);
+  return sequence;
+}
+
+/// What a column without a unit would be: times or intervals of a ball in s, ms or us.
+std::vector<Reading> likely_readings(const ForeignTable& table, const ForeignOptions& options, std::size_t column) {
+  const Selection selection{{column}, Dimension::time, false};
+  const Sequence sequence = glance_at(table, selection);
+  if (unit_of(table, column) || sequence.values.size() < 3 || has_equal_steps(sequence) || numbers_rows(table, column))
+    return {};
+  const bool times = rises(sequence);
+  for (std::size_t k = 1; k < sequence.values.size(); ++k)
+    if (times && sequence.values[k].number.value == sequence.values[k - 1].number.value) return {};
+  std::vector<Reading> readings =
+      readings_of(sequence, {times ? "times" : "intervals"}, false, options, with_drops(table, options, selection));
+  readings.resize(std::min<std::size_t>(1, readings.size()));
+  for (Reading& reading : readings) reading.meaning += " by " + column_name(table, column);
+  return readings;
+}
+
+/// What the columns of a table may be, and what options leave of it.
+struct Columns {
+  std::vector<std::size_t> measured, times, lengths;  ///< with any unit, one of time, one of length
+  bool is_told = false;                               ///< what the numbers are
+  bool are_heights = false;
+  std::vector<Reading> likely;  ///< of columns without a unit
+  std::vector<std::size_t> likely_times;
+  bool is_row = false;  ///< the only row holds one quantity
+  Selection several;    ///< drops side by side, or one in each row; or the only row. No column where there is none
+
+  Columns(const ForeignTable& table, const ForeignOptions& options) : is_told(options.as != "auto") {
+    std::vector<std::size_t> all;
+    for (std::size_t k = 0; k < table.n_columns(); ++k) {
+      all.push_back(k);
+      if (const auto unit = unit_of(table, k)) {
+        measured.push_back(k);
+        if (unit->dimension == Dimension::time) times.push_back(k);
+        if (unit->dimension == Dimension::length) lengths.push_back(k);
+      }
+      for (Reading& reading : likely_readings(table, options, k)) {
+        if (reading.options.as == "times") likely_times.push_back(k);
+        likely.push_back(std::move(reading));
+      }
+    }
+    are_heights =
+        options.as == "heights" ||
+        (!is_told && (unit_called(options.unit).dimension == Dimension::length || (times.empty() && !lengths.empty())));
+    const bool are_measured = !measured.empty();
+    const Selection columns{are_measured ? wanted() : likely_times, dimension(), false},
+        rows{are_measured ? wanted() : all, dimension(), true};
+    is_row = table.rows.size() == 1 && are_alike(table, rows.columns) &&
+             std::all_of(all.begin(), all.end(), [&](std::size_t k) {
+               return table.rows[0].cells[k].empty() || std::count(rows.columns.begin(), rows.columns.end(), k) > 0;
+             });
+    const bool are_columns = !is_row && are_alike(table, columns.columns) && goes_one_way(glance_at(table, columns));
+    const bool are_rows = is_row || ((are_measured || table.titles.empty()) && are_alike(table, rows.columns) &&
+                                     goes_one_way(glance_at(table, rows)));
+    if (are_columns || are_rows) several = are_columns ? columns : rows;
+  }
+
+  const std::vector<std::size_t>& wanted() const { return are_heights ? lengths : times; }
+  Dimension dimension() const { return are_heights ? Dimension::length : Dimension::time; }
+
+ private:
+  static bool are_alike(const ForeignTable& table, const std::vector<std::size_t>& columns) {
+    const auto name = [&](std::size_t k) { return unit_of(table, k).value_or(TitleUnit{}).name; };
+    return columns.size() > 1 &&
+           std::all_of(columns.begin(), columns.end(), [&](std::size_t k) { return name(k) == name(columns[0]); });
+  }
+};
+
+/// Another column beside the one with a unit that may be meant, or that makes each row another measurement.
+std::optional<std::size_t> rival_of(const ForeignTable& table, const Columns& columns) {
+  for (std::size_t k = 0; k < table.n_columns(); ++k) {
+    if (unit_of(table, k) || title_of(table, k) == "drop" || numbers_rows(table, k)) continue;
+    const Sequence beside = glance_at(table, {{k}, columns.dimension(), false});
+    const bool names_unit = title_of(table, k).find_first_of("([/^") != std::string::npos;
+    const auto& times = columns.likely_times;
+    if (columns.are_heights ? !columns.is_told && !beside.values.empty()
+                            : (goes_one_way(beside) && !names_unit) || std::count(times.begin(), times.end(), k) > 0)
+      return k;
+  }
+  return std::nullopt;
+}
+
+/// What the table proves to be read.
+std::optional<Selection> proved(const ForeignTable& table, const ForeignOptions& options, const Columns& columns,
+                                const std::string& name) {
+  for (const Dimension dimension : {Dimension::time, Dimension::length})
+    if (Selection told{told_columns(table, options, dimension == Dimension::time ? "t" : "h", name), dimension, false};
+        !told.columns.empty())
+      return told;
+  if (const auto own = own_column(table, "t_s"); own && !columns.are_heights)
+    return Selection{{*own}, Dimension::time, false};
+  if (columns.several.by_rows && (columns.is_told || (columns.is_row && table.titles.empty()))) return columns.several;
+  const std::vector<std::size_t>& wanted = columns.wanted();
+  if (wanted.size() == 1 && (columns.measured.size() == 1 || columns.is_told) && !rival_of(table, columns))
+    return Selection{wanted, columns.dimension(), false};
+  const bool is_only = table.n_columns() == 1 && wanted.size() == columns.measured.size();
+  if (is_only && (columns.is_told || table.titles.empty())) return Selection{{0}, columns.dimension(), false};
+  return std::nullopt;
+}
+
+}  // namespace
+
+Selection selection_of(const ForeignTable& table, const ForeignOptions& options, const std::string& name) {
+  const Columns columns(table, options);
+  if (auto selection = proved(table, options, columns, name)) return *std::move(selection);
+  const std::vector<std::size_t>&times = columns.times, &lengths = columns.lengths;
+  std::vector<Reading> readings;
+  const auto one = [&](std::size_t k, bool heights) {
+    const Selection selection{{k}, heights ? Dimension::length : Dimension::time, false};
+    readings.push_back({(heights ? "heights, one after the other, of " : "") + column_name(table, k),
+                        {heights ? "heights" : options.as, options.unit, with_drops(table, options, selection)}});
+  };
+  const auto pair = [&](std::size_t before, std::size_t after, const char* as) {
+    readings.push_back(
+        {"before and after a bounce, from " + column_name(table, before) + " to " + column_name(table, after),
+         {as, options.unit, column_option(table, "h0", before) + "," + column_option(table, "h", after)}});
+  };
+  std::string question;
+  if (columns.is_row && !columns.measured.empty()) {
+    question = columns.are_heights ? "has heights in a row: of one ball, from its release on?"
+                                   : std::to_string(times.size()) + " columns are of a time, in one row: of one ball?";
+  } else if (const auto rival = rival_of(table, columns);
+             rival && columns.wanted().size() == 1 && columns.measured.size() == 1) {
+    one(columns.wanted()[0], columns.are_heights);
+    question = columns.are_heights ? "has heights and another column of numbers: what is it?"
+                                   : column_name(table, *rival) +
+                                         " rises or falls beside the times: are the rows the bounces of one ball, one "
+                                         "after the other, and which column is read?";
+    if (columns.are_heights)
+      pair(lengths[0], *rival, "heights");
+    else
+      readings.insert(readings.end(), columns.likely.begin(), columns.likely.end());
+  } else if (options.as == "heights" || lengths.size() > 2) {
+    question = "which column holds heights?";
+    for (std::size_t k = 0; k < table.n_columns(); ++k)
+      if (table.number(table.rows.front(), k) && !numbers_rows(table, k)) one(k, true);
+    if (readings.size() == 2 && table.n_columns() == 2) pair(0, 1, "heights");
+  } else if (columns.are_heights && lengths.size() == 2 && columns.measured.size() == 2) {
+    question = "two columns are heights: before and after a bounce?";
+    const auto x = table.number(table.rows.front(), lengths[0]), y = table.number(table.rows.front(), lengths[1]);
+    const bool falls = !x || !y || std::abs(x->value) >= std::abs(y->value);
+    pair(lengths[falls ? 0 : 1], lengths[falls ? 1 : 0], "auto");
+  } else if (!times.empty()) {
+    question = times.size() > 1 ? std::to_string(times.size()) + " columns are of a time; which is read?"
+                                : "has a time and another measured quantity: which is to be read?";
+    for (const std::size_t k : times) one(k, false);
+    for (const std::size_t k : lengths)
+      if (times.size() == 1) one(k, true);
+  } else if (!columns.measured.empty()) {
+    question = "no column is a time: " + column_name(table, columns.measured.front()) +
+               " is another quantity; bouncelab fit takes speeds and coefficients";
+  } else {
+    question = table.titles.empty() ? "which column is of times or intervals?"
+                                    : "no title has a unit of time, such as Time (s), t (ms); numbers of frames or "
+                                      "samples are to be divided by "
+                                      "their rate first";
+    for (std::size_t k = 0; k < table.n_columns(); ++k)
+      if (has_unit(table.rows.front().cells[k])) number_in(table, table.rows.front(), k, name);
+    readings = columns.likely;
+  }
+  const Selection& several = columns.several;
+  if (several.columns.empty() || !options.columns.empty() || (columns.are_heights && !columns.is_row))
+    ask(table, name, question, std::move(readings));
+  const Sequence numbers = glance_at(table, several);
+  const char* as = columns.are_heights ? "heights" : rises(numbers) ? "times" : "intervals";
+  for (const Reading& reading : readings_of(numbers, {as}, !columns.measured.empty(), options,
+                                            several.by_rows ? "" : columns_option(table, "t", several.columns)))
+    readings.push_back(
+        {(several.by_rows ? "a drop in each row, " : "a drop in each column, ") + reading.meaning, reading.options});
+  ask(table, name, question, std::move(readings));
+}
+
+}  // namespace bouncelab
