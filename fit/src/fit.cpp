@@ -119,8 +119,7 @@ Constants constants_of(const FitResult& result, const LawFit& viscoelastic) {
     constants.gamma = viscoelastic.parameters.front().estimate;
   if (law.misfit && law.misfit->ln_bayes_factor > kStrongBayesFactor) {
     constants.status = FitStatus::not_applicable;
-    constants.why =
-        Note{NoteKind::law_contradicted, {law.misfit->v_mps, law.misfit->off, law.misfit->ln_bayes_factor}};
+    constants.why = Note{NoteKind::law_contradicted, {law.misfit->v_mps, law.misfit->off, law.misfit->ln_bayes_factor}};
     constants.parameters.clear();
     constants.covariance.clear();
   }

@@ -9,9 +9,8 @@ struct Method {
   const char* name;
   UseMemory memory;
 };
-constexpr Method kMethods[]{{"auto", UseMemory::where_long},
-                            {"asymmetric-laplace", UseMemory::never},
-                            {"memory", UseMemory::always}};
+constexpr Method kMethods[]{
+    {"auto", UseMemory::where_long}, {"asymmetric-laplace", UseMemory::never}, {"memory", UseMemory::always}};
 
 const char* method_of(const FitConfig& config) {
   for (const Method& method : kMethods)

@@ -201,7 +201,7 @@ MemoryExperiment run_memory_experiment(const MemoryConditions& conditions, std::
   const fit::MemoryFit memory = fit::fit_memory(samples, independent, memory_config);
   experiment.n_used = memory.n;
   experiment.status = memory.status;
-  for (const Note& note : memory.objections) experiment.message += (experiment.message.empty() ? "" : " ") + std::string(to_string(note.kind));
+  experiment.objections = memory.objections;
   experiment.holds = memory.holds;
   if (memory.status != fit::FitStatus::ok) return experiment;
   take(memory, experiment.quantities, &CalibratedQuantity::with_memory);

@@ -205,7 +205,11 @@ Table to_table(const std::vector<MemoryExperiment>& experiments) {
     part(name + "_independent", kIndependent, value);
     part("se_" + name + "_independent", kIndependent, se);
   }
-  column("message", [](const E& e) { return e.message; });
+  column("message", [](const E& e) {
+    std::string kinds;
+    for (const Note& note : e.objections) kinds += (kinds.empty() ? "" : " ") + std::string(to_string(note.kind));
+    return kinds;
+  });
   return table;
 }
 

@@ -12,10 +12,13 @@ namespace bouncelab::report {
 
 FitInWords in_words(const fit::FitResult& result, const RestitutionSamples& samples, fit::UseMemory memory) {
   const SampleConditions conditions = samples.empty() ? SampleConditions{} : samples.front().conditions;
-  FitInWords words{
-      plain_answer(result, samples), taken_of(samples), notes_of(result, samples, memory), {},
-      findings_of(result, conditions)};
+  FitInWords words{plain_answer(result, samples),
+                   taken_of(samples),
+                   notes_of(result, samples, memory),
+                   {},
+                   findings_of(result, conditions)};
   words.causes = causes_of(result, words.answer, samples);
+  take(words.notes, words);
   return words;
 }
 
@@ -26,9 +29,8 @@ std::vector<Taken> taken_of(const RestitutionSamples& samples) {
                            {"plate", of.plate ? plate_text(*of.plate) : "not known"}};
   if (of.gravity_mps2) taken.push_back({"gravity", formatted("%.6g m/s^2", *of.gravity_mps2)});
   if (of.of_flights())
-    taken.push_back({"air", of.drag_corrected
-                                ? "none"
-                                : formatted("%.4g kg/m^3", of.air_kgpm3.value_or(Air{}.density_kgpm3))});
+    taken.push_back(
+        {"air", of.drag_corrected ? "none" : formatted("%.4g kg/m^3", of.air_kgpm3.value_or(Air{}.density_kgpm3))});
   return taken;
 }
 

@@ -42,9 +42,9 @@ Cause of_speed(const FitResult& result, const PlainAnswer& answer) {
                                                0.0) {
     const double middle = answer.at->eps.value, at_fast = fast.y - middle, at_slow = slow.y - middle;
     cause.size = std::max(std::abs(at_fast), std::abs(at_slow));
-    cause.sentence = "the speed: from its value at " + speed(answer.at->v_mps) + (at_fast < 0.0 ? " ε falls by " : " ε rises by ") +
-                     size_text(std::abs(at_slow)) + " towards " + speed(slow.x) + " and by " +
-                     size_text(std::abs(at_fast)) + " towards " + speed(fast.x) + ".";
+    cause.sentence = "the speed: from its value at " + speed(answer.at->v_mps) +
+                     (at_fast < 0.0 ? " ε falls by " : " ε rises by ") + size_text(std::abs(at_slow)) + " towards " +
+                     speed(slow.x) + " and by " + size_text(std::abs(at_fast)) + " towards " + speed(fast.x) + ".";
   } else if (fast.y < slow.y)
     cause.sentence = "the speed: a faster ball is pressed in more and loses more, ε falls by " +
                      size_text(*cause.size) + between + ".";

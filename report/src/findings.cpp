@@ -59,8 +59,7 @@ std::string dependence(const FitResult& r) {
   std::string text = "ε = " + describe_nodes(*r.curve) + " (± one standard error)." + other_centres(*r.curve);
   if (!known.empty())
     text += " Constants of the law: " + known + (r.constants.with_memory ? " (by the fit with memory)." : ".");
-  if (r.constants.status == FitStatus::not_applicable && r.constants.why)
-    text += " " + as_sentence(*r.constants.why);
+  if (r.constants.status == FitStatus::not_applicable && r.constants.why) text += " " + as_sentence(*r.constants.why);
   if (r.constants.gamma)
     text += " As a viscoelastic ball, with one constant of dissipation" +
             std::string(r.constants.with_memory ? " and impacts taken as independent" : "") +

@@ -41,9 +41,7 @@ constexpr Wording kWordings[]{
     {Kind::recordings_differ, warning,
      "the {0} recordings do not agree (p = {1:.2g}): {s}; the pooled values are a mean of unlike balls and their "
      "errors do not hold: use the row of each recording"},
-    {Kind::two_kinds_of_drops, warning,
-     "the drops are of two kinds: ε is about {0:.3g} in {1} of them and about {2:.3g} in {3}. Two balls, or two "
-     "floors?"},
+    {Kind::two_kinds_of_drops, warning, "the drops are of two kinds: ε is about {s}. Two balls, or two floors?"},
     {Kind::repeated_drops, warning,
      "{s} ({0} bounces): the same drop twice? Leave copies out, or the errors are too small"},
     {Kind::eps_above_1, warning, "{0} of {1} samples have ε > 1: time order or units of the input?"},
@@ -60,7 +58,8 @@ constexpr Wording kWordings[]{
      "the {0} drops differ by more ({1:.2g} in ε) than bounces of one do ({2:.2g}), which makes the interval wide: "
      "another ball, spot or release? More drops narrow it"},
     {Kind::timing_too_large, warning,
-     "the scatter is {0:.2f} of what the stated timing errors alone explain: these are stated too large, and so are all "
+     "the scatter is {0:.2f} of what the stated timing errors alone explain: these are stated too large, and so are "
+     "all "
      "errors given here"},
     {Kind::scatter_not_as_fitted, warning,
      "the scatter about the law is not as the fit assumes: χ²/ndf = {0:.2f}, p = {1:.1e}; {s}"},
@@ -74,8 +73,7 @@ constexpr Wording kWordings[]{
     {Kind::memory_fails, warning, "{s}"},
     {Kind::uncertain_air, detail, "most of the uncertainty is how strongly the air slows the ball: {s}"},
     {Kind::uncertain_contact, detail, "most of the uncertainty is how long the ball touches the floor: {s}"},
-    {Kind::other_ball, warning,
-     "{s}: what was taken out of the samples for the one is not put back for the other"},
+    {Kind::other_ball, warning, "{s}: what was taken out of the samples for the one is not put back for the other"},
     {Kind::same_content, warning, "{s} (by content); counted once"},
     {Kind::renamed_recordings, warning,
      "{s}: {0} recordings have the names of recordings in another file: taken as others, with the file's name behind"},
@@ -84,8 +82,7 @@ constexpr Wording kWordings[]{
      "numbers of their own if it is one"},
     {Kind::of_file, warning, "{s}"},
     {Kind::track_taken, warning, "track {0} of {1} tracks of sound has the ball; --track takes another (from 0)"},
-    {Kind::lossy_coding, warning,
-     "lossy coding ({s}): times may be off by more than stated; record as WAV or FLAC"},
+    {Kind::lossy_coding, warning, "lossy coding ({s}): times may be off by more than stated; record as WAV or FLAC"},
     {Kind::gaps_of_time, warning,
      "{0} {0|gap|gaps} of the time stamps between impacts of a drop: an impact there would be missing"},
     {Kind::clipped, warning, "{0} of {1} impacts are clipped: record with less gain"},
@@ -109,8 +106,7 @@ constexpr Wording kWordings[]{
      "its constants mean nothing"},
     {Kind::too_few_samples, detail, "{0} usable {0|sample|samples}: at least {1} are needed"},
     {Kind::not_a_sphere, detail, "the median ε is not between 0.05 and 1: no viscoelastic sphere does that"},
-    {Kind::not_converged, detail,
-     "the search did not converge: a gain of {0:.3g} in log-likelihood is left"},
+    {Kind::not_converged, detail, "the search did not converge: a gain of {0:.3g} in log-likelihood is left"},
     {Kind::not_identifiable, detail,
      "these {0} impacts do not determine the law's constants (95 % intervals at best: {s}); use the curve ε(v)"},
     {Kind::one_speed, detail, "all speeds lie between {0:.3g} and {1:.3g} m/s: one ε, at that speed"},
@@ -169,8 +165,7 @@ constexpr Wording kWordings[]{
     {Kind::group_too_small, detail, "{s} has {0} usable samples: at least {1} are needed"},
     {Kind::no_common_speeds, detail,
      "no speeds are common to all: one ends at {0:.2g} m/s, another begins at {1:.2g} m/s"},
-    {Kind::group_few_at_common, detail,
-     "{s} has {0} samples at the speeds that all share, {1:.2g} to {2:.2g} m/s"},
+    {Kind::group_few_at_common, detail, "{s} has {0} samples at the speeds that all share, {1:.2g} to {2:.2g} m/s"},
     {Kind::group_without_law, detail, "{s} has no law of its own"},
     {Kind::no_error_of_law, detail, "its own law has no standard error"},
     {Kind::errors_tied, detail, "the errors of its own law cannot be told apart"},
@@ -278,10 +273,10 @@ std::vector<Note> notes_of(const std::vector<detection::RecordingDetection>& rec
   }
   if (n_doubtful > kMostNamed) where += formatted(" and %zu more", n_doubtful - kMostNamed);
   if (n_doubtful > 0)
-    notes.push_back({NoteKind::doubtful_drops,
-                     {static_cast<double>(n_doubtful), static_cast<double>(n_drops),
-                      detection::DropSummary::kDoubtfulOdds},
-                     where});
+    notes.push_back(
+        {NoteKind::doubtful_drops,
+         {static_cast<double>(n_doubtful), static_cast<double>(n_drops), detection::DropSummary::kDoubtfulOdds},
+         where});
   if (likeliest && likeliest->is_doubtful())
     notes.push_back(
         {NoteKind::no_ball_likely, {likeliest->odds, likeliest->begin_s}, {}, named ? name_of(*of) : std::string()});

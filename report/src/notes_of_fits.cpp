@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "bouncelab/core/ball.hpp"
+#include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/text.hpp"
 #include "bouncelab/fit/usable_samples.hpp"
 #include "words.hpp"
@@ -63,9 +64,8 @@ void note_law(const FitResult& result, Notes& notes) {
     else
       notes.push_back({NoteKind::scatter_not_as_fitted,
                        {*law.chi2 / static_cast<double>(*law.ndf), *law.p_value},
-                       law.drops.errors == ErrorBasis::by_drop
-                           ? "standard errors are by drop and do not depend on it"
-                           : "standard errors may be too small"});
+                       law.drops.errors == ErrorBasis::by_drop ? "standard errors are by drop and do not depend on it"
+                                                               : "standard errors may be too small"});
   }
   if (!law.outliers.empty()) notes.push_back({NoteKind::outliers, {static_cast<double>(law.outliers.size())}});
 }
@@ -158,20 +158,24 @@ void note_largest_part(const Curve& curve, const SampleConditions& of, Notes& no
   constexpr double kMost = 0.5;
   const double drag = curve.share_of_drag, contact = curve.share_of_contact;
   if (std::max(drag, contact) < kMost) return;
-  notes.push_back({drag > contact ? NoteKind::uncertain_air : NoteKind::uncertain_contact,
-                   {},
-                   !of.ball         ? "name the ball to narrow it (--ball)"
-                   : drag > contact ? "bounces from less high narrow it"
-                   : !of.plate && contact_duration(*of.ball, kGlass).has_value() && !contact_duration(*of.ball, of.plate)
-                       ? "name the floor to narrow it (--plate)"
-                       : "bounces from higher narrow it"});
+  notes.push_back(
+      {drag > contact ? NoteKind::uncertain_air : NoteKind::uncertain_contact,
+       {},
+       !of.ball         ? "name the ball to narrow it (--ball)"
+       : drag > contact ? "bounces from less high narrow it"
+       : !of.plate && contact_duration(*of.ball, kGlass).has_value() && !contact_duration(*of.ball, of.plate)
+           ? "name the floor to narrow it (--plate)"
+           : "bounces from higher narrow it"});
 }
 
 }  // namespace
 
 Note note_of(const KindsOfDrops& kinds) {
+  const int decimals = std::clamp(1 - static_cast<int>(std::floor(log10(kinds.eps_upper - kinds.eps_lower))), 2, 8);
   return {NoteKind::two_kinds_of_drops,
-          {kinds.eps_lower, static_cast<double>(kinds.n_lower), kinds.eps_upper, static_cast<double>(kinds.n_upper)}};
+          {},
+          formatted("%.*f in %zu of them and about %.*f in %zu", decimals, kinds.eps_lower, kinds.n_lower, decimals,
+                    kinds.eps_upper, kinds.n_upper)};
 }
 
 void Implausible::add(const RestitutionSample& sample) {
@@ -202,10 +206,11 @@ std::optional<Note> note_of_repeated_drops(const RestitutionSamples& used) {
     return "drop " + std::to_string(drop) + (recording.empty() ? "" : " of " + printable(recording));
   };
   const RepeatedDrop& first = repeated.front();
-  return Note{NoteKind::repeated_drops,
-              {static_cast<double>(first.n_bounces)},
-              name(first.recording, first.drop) + " has the bounces of " + name(first.of_recording, first.of_drop) +
-                  (repeated.size() > 1 ? formatted(", and so have %zu more drops of others", repeated.size() - 1) : "")};
+  return Note{
+      NoteKind::repeated_drops,
+      {static_cast<double>(first.n_bounces)},
+      name(first.recording, first.drop) + " has the bounces of " + name(first.of_recording, first.of_drop) +
+          (repeated.size() > 1 ? formatted(", and so have %zu more drops of others", repeated.size() - 1) : "")};
 }
 
 std::vector<Note> notes_of(const FitResult& result, const RestitutionSamples& samples, UseMemory memory) {

@@ -138,8 +138,10 @@ std::vector<RecordingAnswer> answers_by_recording(const FitResult& result, const
   const std::optional<double> v_mps = common_speed(result.recordings.rows);
   std::vector<RecordingAnswer> answers;
   for (const RecordingFit& row : result.recordings.rows) {
-    RecordingAnswer answer{
-        row.recording, {}, row.nodes.empty() && row.why ? in_words(*row.why) : "", drops_seen(of[row.recording], heights_of(result))};
+    RecordingAnswer answer{row.recording,
+                           {},
+                           row.nodes.empty() && row.why ? in_words(*row.why) : "",
+                           drops_seen(of[row.recording], heights_of(result))};
     const NodeEstimate* nearest = nullptr;
     for (const NodeEstimate& node : row.nodes)
       if (!nearest || std::abs(node.v_mps - *v_mps) < std::abs(nearest->v_mps - *v_mps)) nearest = &node;

@@ -59,9 +59,8 @@ std::string extremes(const std::vector<RecordingFit>& rows) {
 std::optional<Note> note_of_difference(const Recordings& recordings) {
   if (!disagree(recordings)) return std::nullopt;
   const RecordingsTest& test = *recordings.test;
-  return Note{NoteKind::recordings_differ,
-              {static_cast<double>(test.n_recordings), test.p_value},
-              extremes(recordings.rows)};
+  return Note{
+      NoteKind::recordings_differ, {static_cast<double>(test.n_recordings), test.p_value}, extremes(recordings.rows)};
 }
 
 std::string in_words(const Recordings& recordings) {

@@ -135,10 +135,11 @@ TEST_F(Analyze, SaysTheAnswerThenOneDoubtAtMostThenWhereTheReportIs) {
   const Result wrong = run("analyze drop.wav --drop-height 61.1 --ball marble");
   EXPECT_EQ(wrong.err, "");
   const std::vector<std::string> lines = lines_of(wrong.out);
-  ASSERT_EQ(lines.size(), 5u) << wrong.out;  // value, energy, drops, doubt, report
+  ASSERT_EQ(lines.size(), 6u) << wrong.out;  // value, energy, drops, what was taken, doubt, report
   EXPECT_THAT(lines[0], testing::StartsWith("ε = 0.8"));
-  EXPECT_THAT(lines[3], testing::StartsWith("--drop-height 61.1 m contradicts"));
-  EXPECT_THAT(lines[4], testing::AllOf(testing::StartsWith("Report: "), testing::EndsWith("report.html")));
+  EXPECT_EQ(lines[3], "Taken: plate not known, gravity 9.81 m/s^2, air 1.2 kg/m^3.");
+  EXPECT_THAT(lines[4], testing::StartsWith("--drop-height 61.1 m contradicts"));
+  EXPECT_THAT(lines[5], testing::AllOf(testing::StartsWith("Report: "), testing::EndsWith("report.html")));
   // one number for one thing
   std::size_t n_eps = 0;
   for (std::size_t at = 0; (at = wrong.out.find("ε = ", at)) != std::string::npos; ++at) ++n_eps;
@@ -214,7 +215,7 @@ TEST_F(Analyze, ThreeImpactsAreADropThatIsKeptWithAWarningUnlessMoreAreAskedFor)
   EXPECT_EQ(json("four/summary.json")["n_onsets"], 20);
   EXPECT_EQ(json("four/summary.json")["recordings"][0]["status"], "too_few_impacts");
   expect_one_line_error(run("detect three.wav --out o.csv --min-impacts 4"), 1,
-                        {"three.wav", "1 drop of fewer than 4 impacts, left out (--min-impacts)"});
+                        {"three.wav", "1 drop of fewer than 4 impacts, left out: --min-impacts"});
 }
 
 TEST_F(Analyze, WhereNoDropIsTenTimesAsLikelyABallThereIsAReportAndNoAnswer) {

@@ -62,7 +62,7 @@ TEST_F(FitCommand, WhatIsOddInTheSamplesIsSaid) {
   EXPECT_EQ(odd.exit_code, 0) << odd.err;
   EXPECT_THAT(odd.err, testing::HasSubstr("2 of the samples left out: not finite; the first is number 2001"));
   EXPECT_THAT(odd.err, testing::HasSubstr("1 of the samples left out: speed not positive; the first is number 2003"));
-  EXPECT_THAT(found()["details"].dump(), testing::HasSubstr("2000 of 2000 samples state no timing error"));
+  EXPECT_THAT(found()["notes"].dump(), testing::HasSubstr("2000 of 2000 samples state no timing error"));
   EXPECT_EQ(found()["n_left_out"]["not_finite"], 2);
   EXPECT_EQ(found()["n_used"], 2000);
   std::string equal = "v_mps,eps\n";
@@ -188,7 +188,7 @@ TEST_F(FitCommand, ASpeedBeyondThoseMeasuredAndABallThatIsAnotherAreSaid) {
   EXPECT_THAT(fit(table(300, 0.3, 1.2), "--nodes 0.6").err, testing::Not(testing::HasSubstr("continued")));
   write("o.csv", onsets(30));
   ASSERT_EQ(run("restitution o.csv --ball steel:6mm --out s6.csv").exit_code, 0);
-  const std::string other = "the samples say that they are of steel:6mm";
+  const std::string other = "the samples are of steel:6mm";
   EXPECT_THAT(run("fit s6.csv --ball table-tennis --out f.json --force").err, testing::HasSubstr(other));
   EXPECT_THAT(run("fit s6.csv --ball steel:6mm --out f.json --force").err, testing::Not(testing::HasSubstr(other)));
 }

@@ -46,7 +46,7 @@ const std::vector<Stage> kStages{
      "samples.csv",
      {{"eps", 76, 74.209308576228182}}},
     {"fit samples.csv --goodness-replicates 3 --bootstrap 3 --out fit.json --table law.csv", "fit.json", {}},
-    {"", "law.csv", {{"eps", 25, 24.404718315457686}}},
+    {"", "law.csv", {{"eps", 13, 12.690401021150704}}},
     {"restitution other.csv --out samples2.csv", "samples2.csv", {}},
     {"fit samples.csv --method memory --out memory.json", "memory.json", {}},
     {"compare samples.csv samples2.csv --out compared", "compared/comparison.json", {}},

@@ -114,7 +114,8 @@ TEST(DemExport, HasDrawsOfAnyLawAndWithMemoryWhereThatFitIsGiven) {
   const Snippet* sampler = find(*with, "C++", "memory");
   ASSERT_TRUE(sampler);
   EXPECT_THAT(sampler->text, ::testing::HasSubstr("roughness_q = 2.5e-05;"));
-  EXPECT_THAT(sampler->text, ::testing::ContainsRegex("v < 0.2[0-9]* . 0.2[0-9]* : v > 1.[34][0-9]* . 1.[34][0-9]* : v"));
+  EXPECT_THAT(sampler->text,
+              ::testing::ContainsRegex("v < 0.2[0-9]* . 0.2[0-9]* : v > 1.[34][0-9]* . 1.[34][0-9]* : v"));
   EXPECT_THAT(sampler->text, ::testing::HasSubstr("double restitution_with_memory(double v_mps"));
   EXPECT_THAT(sampler->text, ::testing::HasSubstr("0.057672"));  // 1.15345 gamma: of its own law
 }

@@ -92,7 +92,7 @@ TEST(SmoothCurve, StatesTheRootMeanSquareAndTheMean) {
   EXPECT_NEAR(rms.value, std::hypot(0.6, 0.1), 4.0 * *rms.se);
   EXPECT_NEAR(mean.value, 0.6, 4.0 * *mean.se);
   EXPECT_NEAR(std::sqrt(curve.covariance.at(1).at(1)) / *mean.se, 1.0, 0.1);  // half of the interval that holds 68 %
-  EXPECT_NEAR(rms.value - mean.value, std::hypot(0.6, 0.1) - 0.6, 2e-3);  // the variance to a tenth, twice
+  EXPECT_NEAR(rms.value - mean.value, std::hypot(0.6, 0.1) - 0.6, 2e-3);      // the variance to a tenth, twice
 }
 
 TEST(SmoothCurve, BetweenPointsAndNodesIsOneCurve) {

@@ -87,7 +87,7 @@ TEST(MemoryCalibration, FindsTheTruthThatWentInAndItsTablesAddUp) {
   std::vector<MemoryExperiment> experiments;
   for (const MemoryConditions& c : {in_air, by_sound}) experiments.push_back(run_memory_experiment(c, n_impacts));
   for (const MemoryExperiment& e : experiments) {
-    ASSERT_EQ(e.status, fit::FitStatus::ok) << e.message;
+    ASSERT_EQ(e.status, fit::FitStatus::ok);
     EXPECT_GE(static_cast<std::int64_t>(e.n_used), 3 * (n_impacts - 2) - 6);  // two samples go with each impact missed
     EXPECT_EQ(e.quantities.size(), 7U);
     for (const CalibratedQuantity& q : e.quantities) {
@@ -151,7 +151,7 @@ TEST(MemoryCalibration, CountsAFitThatCouldNotBeMadeAndIsTheSameOnAnyNumberOfThr
   EXPECT_EQ(any.n, 2U);
   EXPECT_EQ(any.n_failed, 2U);
   EXPECT_TRUE(any.rows.empty());
-  EXPECT_FALSE(one.front().message.empty());
+  EXPECT_FALSE(one.front().objections.empty());
   config.n_threads = 2;
   double last = 0.0;
   const std::vector<MemoryExperiment> two = calibrate_memory(config, [&](double done, double) { last = done; });

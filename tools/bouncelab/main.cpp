@@ -17,13 +17,13 @@
 #include <string_view>
 #include <vector>
 
-#include "bouncelab/report/notes.hpp"
 #include "bouncelab/core/core.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/files.hpp"
 #include "bouncelab/core/foreign_table.hpp"
 #include "bouncelab/core/parallel.hpp"
 #include "bouncelab/core/text.hpp"
+#include "bouncelab/report/notes.hpp"
 #include "options/commands.hpp"
 #include "options/config_file.hpp"
 #include "options/parser.hpp"

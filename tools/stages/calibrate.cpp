@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "bouncelab/core/error.hpp"
+#include "bouncelab/report/notes.hpp"
 #include "stages/files/table_file.hpp"
 #include "stages/progress_line.hpp"
 
@@ -90,7 +91,7 @@ Outcome run_memory_calibration(const CalibrateOptions& options, const Run& run) 
   outcome.result = summary_of(groups);
   if (groups.front().n_failed == groups.front().n) {
     outcome.exit_code = kNotUsable;
-    outcome.error = "no experiment gave a fit with memory: " + experiments.front().message;
+    outcome.error = "no experiment gave a fit with memory: " + report::in_words(experiments.front().objections.front());
   }
   return outcome;
 }

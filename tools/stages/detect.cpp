@@ -177,6 +177,7 @@ Outcome detection_outcome(const Recordings& recordings, std::vector<Note> notes)
   outcome.text = describe_all(recordings);
   outcome.result = summary_of(recordings, outcome.notes);
   conclude(recordings, first_found(recordings) != nullptr, outcome);
+  if (!first_found(recordings)) outcome.notes.clear();  // the error has them
   return outcome;
 }
 

@@ -243,7 +243,8 @@ Outcome fit_outcome(const fit::FitResult& result, const report::FitInWords& word
   outcome.notes = words.notes;
   if (result.curve) return outcome;
   outcome.exit_code = kNotUsable;
-  outcome.error = samples + ": " + (result.constants.why ? report::in_words(*result.constants.why) : "no usable samples");
+  outcome.error =
+      samples + ": " + (result.constants.why ? report::in_words(*result.constants.why) : "no usable samples");
   return outcome;
 }
 

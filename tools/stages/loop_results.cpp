@@ -5,8 +5,8 @@
 
 #include <algorithm>
 
-#include "bouncelab/report/notes.hpp"
 #include "bouncelab/core/elementary.hpp"
+#include "bouncelab/report/notes.hpp"
 
 namespace bouncelab::stages {
 namespace {
@@ -92,8 +92,8 @@ Object spread_of(const fit::FitResult& fit) {
 
 }  // namespace
 
-Object loop_summary(const loop::LoopScore& score, const SecondsByStage& seconds,
-                    const std::vector<Note>& notes, const std::optional<loop::ScatterTheory>& theory,
+Object loop_summary(const loop::LoopScore& score, const SecondsByStage& seconds, const std::vector<Note>& notes,
+                    const std::optional<loop::ScatterTheory>& theory,
                     const std::optional<loop::ReservoirCheck>& reservoir, const sim::BallSection& ball,
                     const std::optional<LoopWork>& work) {
   Object summary = object_of(score);

@@ -29,8 +29,8 @@ struct LoopWork {
 /// @param theory     of its scatter, where it applies
 /// @param reservoir  from its sound, where there are three drops or more
 /// @param ball       cut open, for a picture
-Object loop_summary(const loop::LoopScore& score, const SecondsByStage& seconds,
-                    const std::vector<Note>& notes, const std::optional<loop::ScatterTheory>& theory,
+Object loop_summary(const loop::LoopScore& score, const SecondsByStage& seconds, const std::vector<Note>& notes,
+                    const std::optional<loop::ScatterTheory>& theory,
                     const std::optional<loop::ReservoirCheck>& reservoir, const sim::BallSection& ball,
                     const std::optional<LoopWork>& work = {});
 /// paper.json: the conclusions as checks with numbers; slopes from the simulation and from the sound; the scatter

@@ -127,7 +127,8 @@ Outcome run_paper_loop(const LoopOptions& options, const Run& run) {
                  paper_text(slopes, conclusions) + work_text(work, score.onsets.n_true) + shown.text;
   if (!result.sound.law.law) {
     outcome.exit_code = kNotUsable;
-    outcome.error = "the detected times give no law" + (result.sound.law.why ? ": " + report::in_words(*result.sound.law.why) : std::string());
+    outcome.error = "the detected times give no law" +
+                    (result.sound.law.why ? ": " + report::in_words(*result.sound.law.why) : std::string());
   }
   return outcome;
 }

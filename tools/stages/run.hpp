@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "bouncelab/core/note.hpp"
 #include "bouncelab/core/description.hpp"
+#include "bouncelab/core/note.hpp"
 #include "bouncelab/loop/sweep.hpp"
 #include "stage_options/section.hpp"
 
@@ -66,10 +66,10 @@ enum ExitCode : int { kDone = 0, kNotUsable = 1, kWrongUsage = 2, kFileError = 3
 /// The result of a command. Its files are written already.
 struct Outcome {
   int exit_code = kDone;
-  Object result;                      ///< printed with --json
-  std::string text;                   ///< printed on standard output otherwise
-  std::vector<Note> notes;           ///< their warnings are lines on standard error
-  std::string error;                  ///< why the result is not usable: one line on standard error, even with --quiet
+  Object result;            ///< printed with --json
+  std::string text;         ///< printed on standard output otherwise
+  std::vector<Note> notes;  ///< their warnings are lines on standard error
+  std::string error;        ///< why the result is not usable: one line on standard error, even with --quiet
 };
 
 /// Each with its line feed.

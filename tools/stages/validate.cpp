@@ -10,11 +10,11 @@
 #include <set>
 #include <utility>
 
-#include "bouncelab/report/notes.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/text.hpp"
 #include "bouncelab/detection/wave_preview.hpp"
 #include "bouncelab/loop/sweep.hpp"
+#include "bouncelab/report/notes.hpp"
 #include "bouncelab/report/page.hpp"
 #include "stages/files/provenance.hpp"
 #include "stages/files/table_file.hpp"

@@ -79,8 +79,7 @@ std::vector<DropSummary> summarize_drops(const Onsets& onsets, const std::vector
 /// @param n_short  drops that were left out
 Note nothing_found(std::size_t n_short, std::int64_t min_impacts, std::size_t n_candidates) {
   const auto n = static_cast<double>(n_candidates);
-  if (n_short > 0)
-    return {NoteKind::drops_too_short, {static_cast<double>(n_short), static_cast<double>(min_impacts)}};
+  if (n_short > 0) return {NoteKind::drops_too_short, {static_cast<double>(n_short), static_cast<double>(min_impacts)}};
   if (n_candidates == 0) return {NoteKind::silence};
   return {n_candidates < 3 ? NoteKind::no_three_bounces : NoteKind::sounds_not_of_ball, {n}};
 }
@@ -191,8 +190,7 @@ Detection detect_in(const std::vector<audio::AudioSource>& channels, std::vector
   for (Onset& onset : d.onsets) onset.t_s += moved_s;
   for (DropSummary& drop : d.drops) drop.begin_s += moved_s;
   if (const auto& second = best.found.second_ball; second && !d.onsets.empty())
-    d.notes.push_back(
-        {NoteKind::second_ball, {static_cast<double>(second->n_impacts), second->begin_s + moved_s}});
+    d.notes.push_back({NoteKind::second_ball, {static_cast<double>(second->n_impacts), second->begin_s + moved_s}});
   return d;
 }
 

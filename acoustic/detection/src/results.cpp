@@ -118,7 +118,8 @@ Description members_of(const RecordingDetection*) {
       member<&R::found, &Detection::drops>("drops", "`[{begin_s, n_impacts, odds, probability, doubtful}]`"),
       computed(
           "", [](const R& r) { return std::get<Object>(value_of(r.found.summary)); }, "Of the recording"),
-      member<&R::found, &Detection::notes>("notes", "`[{kind, numbers, subject, recording}]`: what limits the times; where there are none, why")};
+      member<&R::found, &Detection::notes>(
+          "notes", "`[{kind, numbers, subject, recording}]`: what limits the times; where there are none, why")};
   return all;
 }
 

@@ -162,8 +162,8 @@ Eigen::VectorXd times_of(const std::vector<CampaignRecording>& recordings, Desig
     design.drift.end = *greatest;
     for (const double day : known) design.drift.middle += day / static_cast<double>(known.size());
     if (known.size() < design.of_row.size())
-      design.notes.push_back(
-          {NoteKind::dates_missing, {static_cast<double>(design.of_row.size() - known.size()), static_cast<double>(n)}});
+      design.notes.push_back({NoteKind::dates_missing,
+                              {static_cast<double>(design.of_row.size() - known.size()), static_cast<double>(n)}});
   } else {
     design.drift.end = static_cast<double>(n - 1);
     design.drift.middle = 0.5 * design.drift.end;

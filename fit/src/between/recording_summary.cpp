@@ -269,7 +269,9 @@ Table to_table(const BetweenRecordings& between, const std::vector<CampaignRecor
                 {"standardised", reals([&](std::size_t k) { return rows[k].standardised; })},
                 {"p_value", reals([&](std::size_t k) { return rows[k].p_value; })},
                 {"outlier", counts([&](std::size_t k) { return rows[k].is_outlier; })},
-                {"message", texts([&](std::size_t k) { return summary(k).why ? std::string(to_string(summary(k).why->kind)) : std::string(); })}}};
+                {"message", texts([&](std::size_t k) {
+                   return summary(k).why ? std::string(to_string(summary(k).why->kind)) : std::string();
+                 })}}};
 }
 
 }  // namespace bouncelab::fit

@@ -13,21 +13,22 @@ namespace {
 
 Object pooled_law(const BetweenRecordings& between) {
   using B = BetweenRecordings;
-  static constexpr Member law[]{member<&B::kind>("kind", "`series`, `viscoelastic` or `constant`"), estimates_by_name<B>(),
-                                member<&B::correlation>("correlation", "Matrix by rows"),
-                                member<&B::nodes>("nodes", "ε of the law at some speeds: `[{v_mps, eps, se, ci95}]`"),
-                                computed(
-                                    "curve",
-                                    [](const B& b) {
-                                      Values points;
-                                      for (std::size_t k = 0; k < b.curve.size(); ++k) {
-                                        Object point = object_of(b.curve[k]);
-                                        point.emplace_back("prediction95", as_value(b.curve_prediction95[k]));
-                                        points.push_back(std::move(point));
-                                      }
-                                      return points;
-                                    },
-                                    "`[{v_mps, eps, lo95, hi95}]`, with the interval in which one more recording is expected")};
+  static constexpr Member law[]{
+      member<&B::kind>("kind", "`series`, `viscoelastic` or `constant`"), estimates_by_name<B>(),
+      member<&B::correlation>("correlation", "Matrix by rows"),
+      member<&B::nodes>("nodes", "ε of the law at some speeds: `[{v_mps, eps, se, ci95}]`"),
+      computed(
+          "curve",
+          [](const B& b) {
+            Values points;
+            for (std::size_t k = 0; k < b.curve.size(); ++k) {
+              Object point = object_of(b.curve[k]);
+              point.emplace_back("prediction95", as_value(b.curve_prediction95[k]));
+              points.push_back(std::move(point));
+            }
+            return points;
+          },
+          "`[{v_mps, eps, lo95, hi95}]`, with the interval in which one more recording is expected")};
   return object_of(law, &between);
 }
 
@@ -148,8 +149,7 @@ Description members_of(const GroupDifferences*) {
                       "Degrees of freedom of Student's t: units less groups; 0: not known, errors are those of "
                       "independent samples"),
       member<&D::deviation>("deviation", "Standard deviation of ε between units of a group, beyond the scatter"),
-      member<&D::groups>("groups", "The law of each, see below"),
-      member<&D::rows>("rows", "Every pair, see below")};
+      member<&D::groups>("groups", "The law of each, see below"), member<&D::rows>("rows", "Every pair, see below")};
   return all;
 }
 

@@ -174,9 +174,10 @@ Description members_of(const RecordingFit*) {
 Description members_of(const Curve*) {
   using C = Curve;
   static constexpr Member all[]{
-      member<&C::nodes>("nodes",
-                        "`[{v_mps, eps, se, ci95, mean, mean_se, peak, peak_se}]`, by default at the speeds below which "
-                        "10, 50 and 90 % of the samples lie, to two digits"),
+      member<&C::nodes>(
+          "nodes",
+          "`[{v_mps, eps, se, ci95, mean, mean_se, peak, peak_se}]`, by default at the speeds below which "
+          "10, 50 and 90 % of the samples lie, to two digits"),
       member<&C::covariance>("covariance", "Of the mean of ε at the nodes, matrix by rows"),
       member<&C::points>("points",
                          "`[{v_mps, eps, lo95, hi95}]` from the slowest bounce to the fastest; empty of one speed "
@@ -239,8 +240,7 @@ Description members_of(const Constants*) {
   static constexpr Member all[]{
       member<&C::status>("status", "How their fit ended; `not_applicable` where the law does not describe the samples"),
       member<&C::with_memory>("with_memory", "By the fit with memory; else impacts are taken as independent"),
-      estimates_by_name<C>(),
-      member<&C::covariance>("covariance", "Matrix by rows"),
+      estimates_by_name<C>(), member<&C::covariance>("covariance", "Matrix by rows"),
       member<&C::gamma>("gamma",
                         "γ of a viscoelastic sphere, an estimate, impacts taken as independent; `null` where none "
                         "describes the samples")};
@@ -302,12 +302,15 @@ Description members_of(const FitResult*) {
       member<&F::constants>("constants", "Constants of the law as they are stated, see below"),
       member<&F::law, &LawFit::misfit>(
           "misfit", "`null`, or how the law compares with the smooth curve: `{ln_bayes_factor, v_mps, off}`"),
-      member<&F::law, &LawFit::comparison>(
-          "laws", "`[{name, delta_aic}]`, the law itself first: other laws of the same samples, AIC less the least of the list"),
+      member<&F::law, &LawFit::comparison>("laws",
+                                           "`[{name, delta_aic}]`, the law itself first: other laws of the same "
+                                           "samples, AIC less the least of the list"),
       member<&F::law, &LawFit::drops>("drops", "Their number, and what `se` and intervals of constants rest on"),
       member<&F::law, &LawFit::scatter>("scatter", "Of the samples about the peak, see below"),
-      member<goodness_of>("goodness", "`{chi2, ndf, p_value, anderson_darling}`: is the scatter as the fit assumes? Pearson's test from five "
-               "degrees of freedom on, and `null` or `{a2, p_value, n_replicates}`"),
+      member<goodness_of>(
+          "goodness",
+          "`{chi2, ndf, p_value, anderson_darling}`: is the scatter as the fit assumes? Pearson's test from five "
+          "degrees of freedom on, and `null` or `{a2, p_value, n_replicates}`"),
       member<residuals_of>("residuals", "Bins of speed, see below; from two on"),
       member<&F::recordings, &Recordings::test>(
           "recordings_test",
@@ -315,8 +318,8 @@ Description members_of(const FitResult*) {
           .left_out_where_unknown(),
       member<&F::recordings, &Recordings::rows>("recordings",
                                                 "`[...]`: a row for each recording, empty where there is one"),
-      member<&F::kinds_of_drops>("kinds_of_drops",
-                                 "Where drops are of two kinds `{n_lower, n_upper, eps_lower, eps_upper}`, else not there")
+      member<&F::kinds_of_drops>(
+          "kinds_of_drops", "Where drops are of two kinds `{n_lower, n_upper, eps_lower, eps_upper}`, else not there")
           .left_out_where_unknown(),
       member<&F::is_one_ball>(
           "is_one_ball",

@@ -83,7 +83,8 @@ Description members_of(const MemoryFit*) {
           "the errors could not be found; `ok`"),
       member<&M::holds>("holds",
                         "The model passes its tests (p above .01 for the transforms, `mechanism`, `by_speed` and "
-                        "`between_drops`) and is likelier than independent impacts. Else `constants` are of impacts taken as independent"),
+                        "`between_drops`) and is likelier than independent impacts. Else `constants` are of impacts "
+                        "taken as independent"),
       member<&M::n>("n", "Impacts used"),
       member<&M::n_drops>("n_drops", "Drops they are of"),
       member<&M::n_chains>("n_chains", "Pieces of drops without a missing impact"),

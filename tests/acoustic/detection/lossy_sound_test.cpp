@@ -74,9 +74,8 @@ TEST(LossySound, IsWarnedOfWhereSomethingElseHasDecodedIt) {
   for (const double t_s : times) test::add_modal_sound(x, kRate_hz, t_s, 0.5, test::plate_impact());
   DetectionConfig config;
   const auto warned = [&](const Detection& d) {
-    return std::any_of(d.notes.begin(), d.notes.end(), [](const Note& note) {
-      return note.kind == NoteKind::lossy_coding && note.subject == "AAC";
-    });
+    return std::any_of(d.notes.begin(), d.notes.end(),
+                       [](const Note& note) { return note.kind == NoteKind::lossy_coding && note.subject == "AAC"; });
   };
   EXPECT_FALSE(warned(detect(x, kRate_hz, "as it is", config)));
   config.lossy_coding = "AAC";

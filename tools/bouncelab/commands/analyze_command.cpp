@@ -88,8 +88,8 @@ Outcome write_analysis(const loop::Analysis& found, const loop::AnalyzeConfig& c
     for (report::Taken& one : report::taken_of(found.recordings.front())) words.taken.push_back(std::move(one));
   leave_out_given(run.given, words.taken);
   const Outcome fitted = fit_outcome(found.fit, words, (folder / "samples.csv").string());
-  std::vector<Note> notes = joined(joined(report::notes_of(found.restitution.counts, config.restitution), words.notes),
-                                   detected.notes);
+  std::vector<Note> notes =
+      joined(joined(report::notes_of(found.restitution.counts, config.restitution), words.notes), detected.notes);
   if (files.size() == 1)  // of one recording nobody needs to be told which
     for (Note& note : notes) note.recording.clear();
   report::order(notes);
@@ -105,9 +105,10 @@ Outcome write_analysis(const loop::Analysis& found, const loop::AnalyzeConfig& c
   // the answer, one doubt, where the report is: all notes stand there and in summary.json
   const std::string taken = report::in_words(words.taken);
   outcome.text = lines_of(words.answer.sentences) + rows_of(words.answer) + detected.text +
-                 (taken.empty() ? "" : taken + "\n") +
-                 (words.answer.doubt.empty() ? "" : words.answer.doubt + "\n") + shown.text;
-  const bool is_withheld = report::severity_of(notes.empty() ? NoteKind::of_file : notes.front().kind) == Severity::no_answer;
+                 (taken.empty() ? "" : taken + "\n") + (words.answer.doubt.empty() ? "" : words.answer.doubt + "\n") +
+                 shown.text;
+  const bool is_withheld =
+      report::severity_of(notes.empty() ? NoteKind::of_file : notes.front().kind) == Severity::no_answer;
   outcome.exit_code = std::max({detected.exit_code, fitted.exit_code, is_withheld ? kNotUsable : 0});
   // recordings that were left out are named also where the fit of the others fails
   const std::string unfit = is_withheld ? report::in_words(notes.front()) : fitted.error;
@@ -116,8 +117,8 @@ Outcome write_analysis(const loop::Analysis& found, const loop::AnalyzeConfig& c
 }
 
 /// Sound -> times and on.
-Outcome analyze_sound(const std::vector<fs::path>& files, const loop::AnalyzeConfig& config,
-                      std::vector<Note> notes, const fs::path& folder, const Run& run) {
+Outcome analyze_sound(const std::vector<fs::path>& files, const loop::AnalyzeConfig& config, std::vector<Note> notes,
+                      const fs::path& folder, const Run& run) {
   loop::Analysis found;
   // the checksums of the provenance while the sound is searched, as a thread has time for them
   parallel_for(2, config.n_threads, [&](std::size_t work) {

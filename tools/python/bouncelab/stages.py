@@ -125,7 +125,7 @@ def fit(samples: Any, keywords: Dict[str, Any], progress: Any) -> Fit:
 def roughness(samples: Any, keywords: Dict[str, Any], progress: Any) -> Roughness:
     with shown(progress) as callback:
         found = Roughness(json.loads(_core.roughness(Samples.of(samples).to_dict(), _arguments(keywords), callback)))
-    _warn(found.warnings)
+    _warn([note["text"] for note in found.results["notes"] if note["severity"] != "detail"])
     return found
 
 

@@ -26,7 +26,9 @@ std::string fit(const py::dict& columns, const Arguments& arguments, const py::o
   python::run(run, progress, [&, &options = options, &run = run] {
     const fit::FitConfig config = stages::fit_config(options, run.common);
     const fit::FitResult result = fit::fit_all(samples, config, stages::progress_line(run, "fit", "fits"));
-    json = json_text(report::object_of(result, report::in_words(result, samples, config.memory)), 1) + "\n";
+    report::FitInWords words = report::in_words(result, samples, config.memory);
+    stages::leave_out_given(run.given, words.taken);
+    json = json_text(report::object_of(result, words), 1) + "\n";
   });
   return json;
 }

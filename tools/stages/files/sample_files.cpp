@@ -68,10 +68,10 @@ std::vector<fs::path> each_once(const std::vector<fs::path>& files, int n_thread
     if (same[k] == k)
       once.push_back(files[k]);
     else
-      notes.push_back({NoteKind::same_content,
-                       {},
-                       printable(input_name(files[k])) + ": the same " + what + " as " +
-                           printable(input_name(files[same[k]]))});
+      notes.push_back(
+          {NoteKind::same_content,
+           {},
+           printable(input_name(files[k])) + ": the same " + what + " as " + printable(input_name(files[same[k]]))});
   return once;
 }
 
@@ -194,8 +194,7 @@ RestitutionSamples read_sample_files(const std::vector<fs::path>& paths, int n_t
     files.push_back({path, read_one(path, columns, taken_for)});
   if (files.size() > 1) name_recordings(files);
   const std::set<std::string> ambiguous = ambiguous_recordings(files);
-  for (const std::string& name : ambiguous)
-    notes.push_back({NoteKind::same_drop_in_files, {}, printable(name)});
+  for (const std::string& name : ambiguous) notes.push_back({NoteKind::same_drop_in_files, {}, printable(name)});
   RestitutionSamples all;
   for (SampleFile& file : files)
     for (RestitutionSample& s : file.samples) {

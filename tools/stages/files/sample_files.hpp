@@ -56,7 +56,7 @@ RestitutionSamples read_sample_files(const std::vector<std::filesystem::path>& f
 /// once.
 /// @param notes  one line for each file that is left out, and for each file whose recordings were renamed
 /// @throws FileError; naming the recording whose rows are not together
-void for_each_recording(const std::vector<std::filesystem::path>& files, int n_threads,
-                        std::vector<Note>& notes, const std::function<void(RestitutionSamples&&)>& take);
+void for_each_recording(const std::vector<std::filesystem::path>& files, int n_threads, std::vector<Note>& notes,
+                        const std::function<void(RestitutionSamples&&)>& take);
 
 }  // namespace bouncelab::stages

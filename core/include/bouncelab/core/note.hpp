@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/// What a user should know beside a result. Whoever finds it says what it is, with its numbers; the module `report` alone
-/// makes words of it, orders, cuts and withholds by kind and severity.
+/// What a user should know beside a result. Whoever finds it says what it is, with its numbers; the module `report`
+/// alone makes words of it, orders, cuts and withholds by kind and severity.
 #pragma once
 
 #include <string>
@@ -32,7 +32,7 @@ enum class NoteKind {
   contradicted_height,  ///< stated [m], drops, of drops, suggested [m]
   // what was fitted
   recordings_differ,      ///< recordings, p; what runs from where to where
-  two_kinds_of_drops,     ///< lower eps, drops, upper eps, drops
+  two_kinds_of_drops,     ///< ; the lower eps and its drops, the upper
   repeated_drops,         ///< bounces; which drops
   eps_above_1,            ///< samples, of samples
   eps_below_0,            ///< samples, of samples
@@ -50,50 +50,50 @@ enum class NoteKind {
   uncertain_air,          ///< ; the remedy
   uncertain_contact,      ///< ; the remedy
   // files
-  other_ball,             ///< ; the ball of the samples, and the one that is named
-  same_content,           ///< ; the file, and the one that it is the same as
-  renamed_recordings,     ///< recordings; the file
-  same_drop_in_files,     ///< ; the recording
-  of_file,                ///< ; what a reader says of its file
+  other_ball,          ///< ; the ball of the samples, and the one that is named
+  same_content,        ///< ; the file, and the one that it is the same as
+  renamed_recordings,  ///< recordings; the file
+  same_drop_in_files,  ///< ; the recording
+  of_file,             ///< ; what a reader says of its file
   // how it was heard
-  track_taken,          ///< track, of tracks
-  lossy_coding,         ///< ; the coding
-  gaps_of_time,         ///< gaps
-  clipped,              ///< impacts, of impacts
-  low_band,             ///< highest frequency [Hz]
-  improbable_impacts,   ///< impacts, of impacts
-  several_places,       ///< impacts, of impacts
-  second_ball,          ///< impacts, begin [s]
+  track_taken,         ///< track, of tracks
+  lossy_coding,        ///< ; the coding
+  gaps_of_time,        ///< gaps
+  clipped,             ///< impacts, of impacts
+  low_band,            ///< highest frequency [Hz]
+  improbable_impacts,  ///< impacts, of impacts
+  several_places,      ///< impacts, of impacts
+  second_ball,         ///< impacts, begin [s]
   // synthetic sound
-  modes_left_out,   ///< modes, lowest [Hz], highest [Hz], rate [Hz]
+  modes_left_out,     ///< modes, lowest [Hz], highest [Hz], rate [Hz]
   synthetic_clipped,  ///< impacts
   drops_left_plate,   ///< drops
   impacts_with_gain,  ///< impacts, of impacts, energy over that released
   // constants of the law
-  law_contradicted,    ///< speed [m/s], eps of the curve less the law, ln B
-  too_few_samples,     ///< samples, least
-  not_a_sphere,        ///<
-  not_converged,       ///< gain left in log-likelihood
-  not_identifiable,    ///< impacts; constants with their intervals
-  one_speed,           ///< least, most [m/s]
-  two_terms,           ///< samples
-  one_constant,        ///< samples
-  no_bootstrap,        ///<
-  few_drops,           ///< drops
-  one_drop_matters,    ///<
-  errors_not_stated,   ///< samples, of samples
-  memory_without_ball, ///< inertia over m R^2, radius [m]
-  tied_constants,      ///< correlation; which
+  law_contradicted,     ///< speed [m/s], eps of the curve less the law, ln B
+  too_few_samples,      ///< samples, least
+  not_a_sphere,         ///<
+  not_converged,        ///< gain left in log-likelihood
+  not_identifiable,     ///< impacts; constants with their intervals
+  one_speed,            ///< least, most [m/s]
+  two_terms,            ///< samples
+  one_constant,         ///< samples
+  no_bootstrap,         ///<
+  few_drops,            ///< drops
+  one_drop_matters,     ///<
+  errors_not_stated,    ///< samples, of samples
+  memory_without_ball,  ///< inertia over m R^2, radius [m]
+  tied_constants,       ///< correlation; which
   // the fit with memory
-  memory_without_law,      ///<
-  memory_too_few,          ///< least impacts, least in a row
-  memory_not_converged,    ///<
-  memory_without_errors,   ///<
-  memory_transforms,       ///< p
-  memory_mechanism,        ///< p
-  memory_by_speed,         ///< p
-  memory_between_drops,    ///< p
-  memory_unlikelier,       ///<
+  memory_without_law,     ///<
+  memory_too_few,         ///< least impacts, least in a row
+  memory_not_converged,   ///<
+  memory_without_errors,  ///<
+  memory_transforms,      ///< p
+  memory_mechanism,       ///< p
+  memory_by_speed,        ///< p
+  memory_between_drops,   ///< p
+  memory_unlikelier,      ///<
   // campaigns and groups
   too_few_recordings,     ///< with a law, of recordings, least
   undetermined_campaign,  ///< recordings

@@ -24,7 +24,7 @@ Description members_of(const NodeEstimate*);
 /// eps(v) at one speed.
 struct CurveNode {
   double v_mps = 0.0;
-  Estimate eps;                  ///< root mean square over bounces
+  Estimate eps;  ///< root mean square over bounces
   Estimate mean;
   std::optional<Estimate> peak;  ///< most frequent eps; absent where the density of the scatter was not fitted
 };

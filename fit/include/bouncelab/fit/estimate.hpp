@@ -63,11 +63,11 @@ struct Estimate {
   /// Standard error: from how the drops differ from each other where the fit says so (ErrorBasis::by_drop), else from
   /// the expected information of independent samples.
   std::optional<double> se;
-  std::optional<double> se_independent;           ///< where se is by drop: what it would be if samples were independent
-  std::optional<Interval> ci68;                   ///< 68.27 % confidence interval, of the same basis as se
-  std::optional<Interval> ci95;                   ///< 95 % confidence interval
-  std::optional<BootstrapErrors> bootstrap;       ///< by drop, where asked for
-  bool identified = true;                         ///< false: the data do not determine it (see the fit's message)
+  std::optional<double> se_independent;      ///< where se is by drop: what it would be if samples were independent
+  std::optional<Interval> ci68;              ///< 68.27 % confidence interval, of the same basis as se
+  std::optional<Interval> ci95;              ///< 95 % confidence interval
+  std::optional<BootstrapErrors> bootstrap;  ///< by drop, where asked for
+  bool identified = true;                    ///< false: the data do not determine it (see the fit's message)
 };
 Description members_of(const Estimate*);
 

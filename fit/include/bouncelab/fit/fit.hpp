@@ -56,7 +56,7 @@ struct Constants {
   std::optional<Note> why;  ///< of the status; absent where all is well
   bool with_memory = false;
   std::vector<NamedEstimate> parameters;
-  Matrix covariance;  ///< of `parameters`
+  Matrix covariance;              ///< of `parameters`
   std::optional<Estimate> gamma;  ///< of a viscoelastic sphere, where one describes the samples
 };
 Description members_of(const Constants*);
@@ -64,7 +64,7 @@ Description members_of(const Constants*);
 struct FitResult {
   std::optional<Curve> curve;  ///< eps(v), the answer; absent without samples
   Constants constants;
-  LawFit law;  ///< impacts taken as independent
+  LawFit law;                       ///< impacts taken as independent
   std::optional<MemoryFit> memory;  ///< see FitConfig::memory; the main law is what it is without
   std::vector<HistogramFit> histograms;
   DensityPicture density;

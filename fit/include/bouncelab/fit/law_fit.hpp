@@ -25,7 +25,7 @@ enum class IntervalMethod { profile, covariance };
 
 struct LawFitConfig {
   LawKind kind = LawKind::series;
-  std::vector<int> orders{2, 4, 5};  ///< of the series: distinct, among 2, 4, 5, ... 10
+  std::vector<int> orders{2, 4, 5};                    ///< of the series: distinct, among 2, 4, 5, ... 10
   IntervalMethod intervals = IntervalMethod::profile;  ///< of nodes and constants
   /// Terms of log b(v) on each side, 1 to 8; 0: 1 below 30 samples, 1 to 3 by BIC below 20,000, from there 3 or 6 by
   /// BIC (AIC takes 6 too often: at 20,000 samples under noise 95 % intervals of A then cover 92.5 %).
@@ -114,9 +114,10 @@ struct LawFit {
   std::optional<RestitutionLaw> law;  ///< usable wherever a law is wanted; absent where the fit failed
 };
 
-/// Fits eps(v), the peak of the scatter: two exponentials of different slope, a normal part of free size (normal-Laplace:
-/// exponentials, a normal and whatever lies between), each sample's own normal timing error, and one bounce in a hundred
-/// lost, its eps anywhere from 0 to 2. Samples must be finite with v > 0 and a sigma_eps >= 0 or absent (fit_all leaves the others out).
+/// Fits eps(v), the peak of the scatter: two exponentials of different slope, a normal part of free size
+/// (normal-Laplace: exponentials, a normal and whatever lies between), each sample's own normal timing error, and one
+/// bounce in a hundred lost, its eps anywhere from 0 to 2. Samples must be finite with v > 0 and a sigma_eps >= 0 or
+/// absent (fit_all leaves the others out).
 ///
 /// The parameters of the search are values of eps at well spread speeds, which are almost uncorrelated; A follows
 /// linearly (or gamma by inversion).

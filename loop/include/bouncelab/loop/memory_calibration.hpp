@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "bouncelab/core/description.hpp"
+#include "bouncelab/core/note.hpp"
 #include "bouncelab/core/parallel.hpp"
 #include "bouncelab/core/table.hpp"
 #include "bouncelab/fit/estimate.hpp"
@@ -62,7 +63,7 @@ struct MemoryExperiment {
   MemoryConditions conditions;
   std::size_t n_used = 0;  ///< impacts fitted
   fit::FitStatus status = fit::FitStatus::too_few_samples;
-  std::string message;                       ///< of the fit with memory: why it failed, or what speaks against it
+  std::vector<Note> objections;              ///< of the fit with memory: why it failed, or what speaks against it
   bool holds = false;                        ///< its test passes
   std::optional<double> anderson_darling_p;  ///< of the probability transforms
   std::optional<fit::MemoryTest> mechanism, by_speed, release, leak;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/// The words of notes (core/note.hpp): one table of all kinds, with how severe each is. Nobody else makes words of them.
+/// The words of notes (core/note.hpp): one table of all kinds, with how severe each is. Nobody else makes words of
+/// them.
 #pragma once
 
 #include <optional>

@@ -11,8 +11,8 @@
 
 #include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/description.hpp"
-#include "bouncelab/core/note.hpp"
 #include "bouncelab/core/elementary.hpp"
+#include "bouncelab/core/note.hpp"
 #include "bouncelab/core/onsets.hpp"
 #include "bouncelab/core/parallel.hpp"
 

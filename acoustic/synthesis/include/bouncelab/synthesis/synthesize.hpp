@@ -36,8 +36,8 @@ struct SynthesisResult {
   std::int64_t n_other_sounds = 0;  ///< of things that are not the ball
   std::int64_t n_files = 1;
   Levels levels;
-  double duration_s = 0.0;            ///< of all files
-  int n_modes = 0;                    ///< of ground, below half the sample rate and max_mode_hz
+  double duration_s = 0.0;  ///< of all files
+  int n_modes = 0;          ///< of ground, below half the sample rate and max_mode_hz
   std::vector<Note> notes;  ///< modes that the rate cannot hold, clipped impacts
 };
 Description members_of(const SynthesisResult*);
