@@ -152,7 +152,7 @@ void summarise(SynthesisResult& result, const SynthesisConfig& config, const Ins
   if (!left_out_hz.empty()) {
     const auto [lowest, highest] = std::minmax_element(left_out_hz.begin(), left_out_hz.end());
     result.notes.push_back(
-        {NoteKind::modes_left_out, {static_cast<double>(left_out_hz.size()), *lowest, *highest, config.rate_hz}});
+        {NoteKind::modes_left_out, {static_cast<double>(left_out_hz.size()), *lowest, *highest, 1.0 * config.rate_hz}});
   }
   if (result.n_clipped > 0)
     result.notes.push_back({NoteKind::synthetic_clipped, {static_cast<double>(result.n_clipped)}});
