@@ -157,7 +157,7 @@ TEST(DemExport, TableHasTheCurveAndItsBand) {
 TEST(DemExport, OfEpsAboveOneOrOfNoneIsNothing) {
   for (const double eps : {1.1, 0.0, -0.2}) {
     Curve curve;
-    curve.nodes = {{0.6, normal_estimate(eps, 1e-3)}};
+    curve.nodes = {{0.6, normal_estimate(eps, 1e-3), {}, {}}};
     EXPECT_FALSE(dem_export(curve, {}, 0.6, {}, {})) << eps;
     curve.nodes[0].eps.value = 0.9;
     curve.points = {{0.2, eps, {}}, {1.4, eps, {}}};

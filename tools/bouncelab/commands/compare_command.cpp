@@ -24,6 +24,7 @@
 #include "bouncelab/fit/usable_samples.hpp"
 #include "bouncelab/report/answer.hpp"
 #include "bouncelab/report/comparison.hpp"
+#include "bouncelab/report/notes.hpp"
 #include "bouncelab/report/page.hpp"
 #include "stages/ball_of_files.hpp"
 #include "stages/detect.hpp"

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "bouncelab/core/note.hpp"
 #include "bouncelab/core/samples.hpp"
 
 namespace bouncelab::stages {
