@@ -82,7 +82,7 @@ describe('the page', {skip: missing ?? false}, () => {
   test('a table that does not prove what it holds is asked about, and a button is the answer', async () => {
     const ms = truth.map(({t_s}) => (1e3 * t_s).toFixed(4));
     assert.deepEqual(await asked('asked.csv', `Nr,Zeit\n${ms.map((t, k) => `${k},${t}`).join('\n')}\n`), ["times in ms by column 'Zeit'"]);
-    assert.equal(await statusOf(page), 'asked.csv: no title has a unit of time, such as Time (s).');
+    assert.equal(await statusOf(page), 'asked.csv: no title has a unit of time, such as Time (s), t (ms); numbers of frames or samples are to be divided by their rate first.');
     assert.deepEqual(await page.$$eval('#question tbody tr', rows => rows.map(row => [...row.cells].map(cell => cell.textContent))),
                      [['Nr', '0  1  2 …'], ['Zeit', `${ms.slice(0, 3).join('  ')} …`]]);
     assert.ok(await page.$eval('#result', node => node.hidden), 'no answer of the sound before');
@@ -259,7 +259,7 @@ describe('the page', {skip: missing ?? false}, () => {
       const says = await choose(page, file);
       assert.ok(says.includes(`${rate} Hz`), `${name}: ${says}`);
       assert.ok(await countOf(page) > 0.9 * truth.length, `${name}: ${await countOf(page)} of ${truth.length}`);  // the faintest may drown in the codec's noise
-      assert.ok((await notes()).includes(`${name}: lossy coding (${coding}): times may be off by more than stated; record as WAV or FLAC`), `${name}: ${await notes()}`);
+      assert.ok((await notes()).includes(`lossy coding (${coding}): times may be off by more than stated; record as WAV or FLAC`), `${name}: ${await notes()}`);
       any = true;
     }
     if (any) {
