@@ -37,6 +37,12 @@ TEST(DropsSeen, TellTheHeightOfTheReleaseTheImpactsAndHowLongTheyLast) {
   EXPECT_NEAR(*seen.duration_s, onsets.back().t_s - onsets.front().t_s, 1e-9);
 }
 
+TEST(DropsSeen, CountImpactsThatAreLikelierThanNotTheBalls) {
+  RestitutionSamples samples = samples_of({.height_m = 0.12});
+  samples.back().flags = {Flag::improbable};  // the last impact of 20 is the hand that catches the ball
+  EXPECT_EQ(seen_of(samples).n_impacts, 19u);
+}
+
 TEST(Rebound, OfANamedBallIsWhatItsRuleAsksForOrNot) {
   const double kappa_per_m = drag_per_m(ball_from_text("tennis"), {}, 6.0),
                fall_mps = fall_with_drag_mps(2.54, kG, kappa_per_m);

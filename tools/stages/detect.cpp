@@ -31,10 +31,18 @@ constexpr std::size_t kMostLines =
 /// A recording's name for people.
 std::string name_of(const std::filesystem::path& recording) { return printable(input_name(recording)); }
 
+/// Impacts that are likelier than not the ball's; a note tells of the others.
+std::size_t n_likely(const detection::RecordingDetection& r) {
+  std::size_t n = r.n_onsets;
+  for (const Note& note : r.found.notes)
+    if (note.kind == NoteKind::improbable_impacts) n -= static_cast<std::size_t>(note.numbers.front());
+  return n;
+}
+
 /// What was found in a recording, or why nothing was.
 std::string found_in(const detection::RecordingDetection& r) {
   if (r.found.status != detection::DetectionStatus::ok) return report::in_words(r.found.notes.front());
-  return fmt::format("{} impacts in {} drop{}", r.n_onsets, r.found.summary.n_drops,
+  return fmt::format("{} impacts in {} drop{}", n_likely(r), r.found.summary.n_drops,
                      r.found.summary.n_drops == 1 ? "" : "s");
 }
 
@@ -62,7 +70,7 @@ std::string describe_all(const Recordings& recordings) {
   std::int64_t n_drops = 0;
   const bool many = recordings.size() > kMostLines;
   for (const detection::RecordingDetection& r : recordings) {
-    n_onsets += r.n_onsets;
+    n_onsets += n_likely(r);
     n_drops += r.found.summary.n_drops;
     if (!is_unreadable(r) && !(many && r.found.status == detection::DetectionStatus::ok)) lines.push_back(describe(r));
   }
