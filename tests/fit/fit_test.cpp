@@ -118,7 +118,7 @@ TEST(FitJson, HasNullsAndNoNumbersWhereNothingIsKnown) {
   const auto j = json_of(testing::independent_samples({}, 2, 0.2, 1.4, 0.0));
   EXPECT_EQ(j.at("constants").at("status"), "too_few_samples");
   EXPECT_FALSE(j.at("constants").contains("A2"));
-  EXPECT_TRUE(j.at("goodness").at("chi2").is_null());
+  EXPECT_TRUE(j.at("goodness").empty());
   EXPECT_TRUE(j.at("scatter").is_null());
   EXPECT_TRUE(j.at("histograms").empty());
 }

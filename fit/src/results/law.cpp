@@ -189,20 +189,23 @@ Description members_of(const Curve*) {
       member<&C::errors_over_digits>(
           "errors_over_digits",
           "Standard errors of times, heights or speeds over those of their digits, as the fit "
-          "finds them; `null` where they are stated"),
+          "finds them; not there where they are stated")
+          .left_out_where_unknown(),
       member<&C::n_drops>("n_drops", "Drops; of one the curve is that of this drop"),
       member<&C::kappa_per_m>("kappa_per_m", "Drag over speed squared at 1 m/s [1/m]; `null`: none"),
       member<&C::contact_s>("contact_s", "Contact time at 1 m/s; `null`: none"),
       member<&C::kappa_pull>("kappa_pull",
-                             "Of a named ball: how far its drag is from what such a ball has, in standard deviations"),
-      member<&C::contact_pull>("contact_pull", "Likewise its contact time"),
+                             "Of a named ball: how far its drag is from what such a ball has, in standard deviations")
+          .left_out_where_unknown(),
+      member<&C::contact_pull>("contact_pull", "Likewise its contact time").left_out_where_unknown(),
       member<&C::share_of_drag>("share_of_drag", "Part of the variance of ε at the middle node that drag leaves"),
       member<&C::share_of_contact>("share_of_contact", "Likewise by contact time"),
       member<&C::step>("step", "`{v_mps, eps_faster, eps_slower, change, impact}` where ε changes at once; or `null`"),
       member<&C::rebound>("rebound",
                           "What a ball of a sport that is named would rebound in the test of its rules, where the "
                           "speed of that test lies within those of the samples or a twentieth beside them, see below; "
-                          "else `null`")};
+                          "else not there")
+          .left_out_where_unknown()};
   return all;
 }
 
@@ -272,11 +275,11 @@ namespace {
 Object goodness_of(const FitResult& result) {
   constexpr std::size_t kFewestDegrees = 5;  // of fewer chi^2 says nothing
   const LawFit& law = result.law;
-  const bool is_known = law.ndf && *law.ndf >= kFewestDegrees;
-  return {{"chi2", value_of(is_known ? law.chi2 : std::nullopt)},
-          {"ndf", value_of(is_known ? law.ndf : std::nullopt)},
-          {"p_value", value_of(is_known ? law.p_value : std::nullopt)},
-          {"anderson_darling", value_of(law.anderson_darling)}};
+  Object goodness;
+  if (law.ndf && *law.ndf >= kFewestDegrees)
+    goodness = {{"chi2", value_of(law.chi2)}, {"ndf", value_of(law.ndf)}, {"p_value", value_of(law.p_value)}};
+  if (law.anderson_darling) goodness.emplace_back("anderson_darling", value_of(*law.anderson_darling));
+  return goodness;
 }
 
 /// One bin alone has nothing to be compared with.
@@ -310,7 +313,7 @@ Description members_of(const FitResult*) {
       member<goodness_of>(
           "goodness",
           "`{chi2, ndf, p_value, anderson_darling}`: is the scatter as the fit assumes? Pearson's test from five "
-          "degrees of freedom on, and `null` or `{a2, p_value, n_replicates}`"),
+          "degrees of freedom on, and `{a2, p_value, n_replicates}`; each where it was made"),
       member<residuals_of>("residuals", "Bins of speed, see below; from two on"),
       member<&F::recordings, &Recordings::test>(
           "recordings_test",
