@@ -255,13 +255,14 @@ std::string of_drops(const DropsSeen& seen, bool one_ball) {
 /// "Dropped from 254 cm this ball rebounds to 141 cm (95 %: 137 to 145 cm); the rule (ITF) asks for 135 to
 /// 147 cm on concrete: within."
 std::string of_rebound(const Rebound& rebound) {
-  const auto cm = [](double height_m) { return formatted("%.3g", 100.0 * height_m); };
   const Interval& ci95 = *rebound.height_m.ci95;
+  const int decimals = std::clamp(decimals_of_two_digits(100.0 * (ci95.hi - ci95.lo)) - 1, 0, 2);
+  const auto cm = [decimals](double height_m) { return rounded(100.0 * height_m, decimals); };
   const std::optional<bool> is_within = rebound.is_within();
-  return "Dropped from " + cm(rebound.rule.height_m) + " cm this ball rebounds to " + cm(rebound.height_m.value) +
-         " cm (95 %: " + cm(ci95.lo) + " to " + cm(ci95.hi) + " cm); the rule (" + rebound.rule.by + ") asks for " +
-         asked_rebound(rebound.rule) + " on " + rebound.rule.floor + ": " +
-         (!is_within   ? "not known, since the limit lies within the interval."
+  return "Dropped from " + formatted("%.4g", 100.0 * rebound.rule.height_m) + " cm this ball rebounds to " +
+         cm(rebound.height_m.value) + " cm (95 %: " + cm(ci95.lo) + " to " + cm(ci95.hi) + " cm); the rule (" +
+         rebound.rule.by + ") asks for " + asked_rebound(rebound.rule) + " on " + rebound.rule.floor + ": " +
+         (!is_within   ? "whether it is within is not known, since the interval contains the limit."
           : *is_within ? "within."
                        : "not within.");
 }
