@@ -25,16 +25,16 @@ Cause of_speed(const FitResult& result, const PlainAnswer& answer) {
   Cause cause{"speed", {}, !answer.elsewhere.empty() || step, {}};
   const auto& points = result.curve->points;
   if (points.empty()) {
-    cause.sentence = "Whether the speed matters is not known: too few speeds.";
+    cause.sentence = "The effect of the speed is not known: the impacts have too few different speeds.";
     return cause;
   }
   const CurvePoint &slow = points.front(), &fast = points.back();
   cause.size = std::abs(fast.y - slow.y);
   const std::string between = " between " + speed(slow.x) + " and " + speed(fast.x);
   if (!cause.is_seen)
-    cause.sentence = "That the speed matters is not seen" + between + ".";
+    cause.sentence = "No effect of the speed is seen" + between + ".";
   else if (step)
-    cause.sentence = "what it meets: ε steps by " + size_text(std::abs(step->change.value)) + " at " +
+    cause.sentence = "the surface that the ball meets: ε steps by " + size_text(std::abs(step->change.value)) + " at " +
                      speed(step->v_mps) + ", and goes from " + size_text(slow.y) + " to " + size_text(fast.y) +
                      between + ".";
   else if (answer.elsewhere.size() == 2 && (answer.elsewhere[0].eps.value - answer.at->eps.value) *
@@ -73,10 +73,10 @@ Cause of_air(const FitResult& result, const PlainAnswer& answer, const Restituti
   const double eps = answer.at->eps.value, fast = points.back().x, slow = points.front().x;
   const double by_kappa = eps * (1.0 + eps * eps) * (square(fast) - square(slow)) / (4.0 * g_mps2);
   if (!ball_is_named(samples)) {
-    cause.sentence = "What the air does is not known";
+    cause.sentence = "The effect of the air is not known";
     if (kappa_per_m.ci95)
       cause.sentence += " (" + size_text(by_kappa * kappa_per_m.ci95->lo) + " to " +
-                        size_text(by_kappa * kappa_per_m.ci95->hi) + " of ε)";
+                        size_text(by_kappa * kappa_per_m.ci95->hi) + " in ε)";
     cause.sentence += ": name the ball.";
     return cause;
   }
@@ -97,7 +97,7 @@ Cause of_roughness(const FitResult& result, const RestitutionSamples& samples) {
   const BudgetRow* row = rows.empty() ? nullptr : &rows[rows.size() / 2];
   constexpr std::size_t kFewestOfAWidth = 8;  // of fewer it is not known to a quarter
   if (!row || !row->spread_asperities || result.n_used < kFewestOfAWidth) {
-    cause.sentence = "Whether ball and floor are rough is not known: too few bounces.";
+    cause.sentence = "The roughness of ball and floor is not known: there are too few bounces.";
     return cause;
   }
   // what a law misses, or drops differ by, is no scatter of bounces
@@ -110,7 +110,7 @@ Cause of_roughness(const FitResult& result, const RestitutionSamples& samples) {
                        ? "the roughness of ball and floor: each bounce meets another spot, which turns some of "
                          "the motion into spin or back; two thirds of the bounces lie in a band of " +
                              size_text(*cause.size) + ", wider than " + errors + " make it."
-                       : "That ball or floor is rough is not seen: " + errors + " explain the scatter.";
+                       : "No roughness of ball or floor is seen: the " + errors + " explain the scatter of ε.";
   return cause;
 }
 

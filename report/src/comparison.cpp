@@ -123,32 +123,45 @@ constexpr double kMoreThanErrorsOfErrors = 1.2;
 
 std::string n_recordings(std::size_t n) { return std::to_string(n) + (n == 1 ? " recording" : " recordings"); }
 
-std::string p_in_words(double p) { return p < 0.0001 ? "p < 0.0001" : formatted("p = %.2g", p); }
+/// Values between 0 and 1 have no standard deviation above this: an interval that reaches beyond it knows nothing.
+constexpr double kMostDeviation = 0.5;
+/// Below any error of ε: a search for a deviation that is 0 ends here.
+constexpr double kLeastDeviation = 1e-6;
 
-std::string of_tau(const BetweenRecordings& between) {
-  const StandardDeviation& tau = between.tau;
-  if (tau.value > 0.0 && tau.ci95.lo > 0.0)
-    return formatted(
-        "From recording to recording ε differs by %.2g (standard deviation; 95 %%: %.2g to %.2g) beyond the "
-        "recordings' own errors.",
-        tau.value, tau.ci95.lo, tau.ci95.hi);
-  return formatted(
-      "That ε differs from recording to recording beyond their own errors is not seen: the standard "
-      "deviation is at most %.2g (95 %%).",
-      tau.ci95.hi);
+std::string of_deviation(const StandardDeviation& sd, const char* name, const char* beyond) {
+  const std::string differs = std::string("from ") + name + " to " + name;
+  if (!(sd.ci95.hi < kMostDeviation))
+    return "How much ε differs " + differs + " is not known: there are too few of them.";
+  if (sd.ci95.hi < kLeastDeviation) return "No difference of ε " + differs + beyond + " is seen.";
+  if (sd.value > kLeastDeviation && sd.ci95.lo > kLeastDeviation)
+    return "ε differs " + differs +
+           formatted(" by %.2g (standard deviation; 95 %%: %.2g to %.2g)", sd.value, sd.ci95.lo, sd.ci95.hi) + beyond +
+           ".";
+  return "No difference of ε " + differs + beyond +
+         formatted(" is seen; it is at most %.2g (standard deviation, 95 %%).", sd.ci95.hi);
 }
 
+/// "95 %: 0.01 to 0.03"
+std::string interval_known(const Estimate& e) {
+  const bool is_known = e.ci95->hi - e.ci95->lo < 2.0;  // all that two values of ε can differ by
+  return is_known ? "95 %: " + interval_in_words(e) : "its error is not known: there are too few drops";
+}
+
+std::string p_in_words(double p) { return p < 0.0001 ? "p < 0.0001" : formatted("p = %.2g", p); }
+
 std::string of_drift(const BetweenRecordings& between) {
-  if (!between.drift) return "A drift cannot be seen: there is one date only.";
+  if (!between.drift) return "A drift cannot be seen: all recordings have the same date.";
   const Drift& drift = *between.drift;
   const std::string unit = drift.by_date ? "day" : "recording";
   const double length = drift.end - drift.begin;
+  if (!(drift.slope.se.value_or(0.0) * length < kMostDeviation))
+    return "Whether ε drifts is not known: there are too few recordings.";
   const std::string slope = formatted(
       "%s a %s, %+.2g over %.*f %ss; %s", fit::in_words(drift.slope.value, drift.slope.se).c_str(), unit.c_str(),
       drift.slope.value * length, length < 10.0 ? 1 : 0, length, unit.c_str(), p_in_words(drift.p_value).c_str());
   if (drift.p_value < kUnlikely)
     return (drift.slope.value > 0.0 ? "ε rises over the campaign: " : "ε falls over the campaign: ") + slope + ".";
-  return "There is no drift to be seen: " + slope + ".";
+  return "No drift is seen: " + slope + ".";
 }
 
 /// The outliers, furthest first.
@@ -165,9 +178,10 @@ std::vector<std::size_t> outliers_of(const BetweenRecordings& between) {
 std::string of_outliers(const BetweenRecordings& between, const std::vector<CampaignRecording>& recordings) {
   constexpr std::size_t kMostNamed = 5;
   const std::vector<std::size_t> outliers = outliers_of(between);
-  if (outliers.empty()) return "No recording is off the others by more than can be expected of so many.";
-  std::string text = n_recordings(outliers.size()) + (outliers.size() == 1 ? " is" : " are") +
-                     " off the others by more than can be expected of so many, and left out of the pooled law: ";
+  if (outliers.empty()) return "No recording differs from the others by more than chance.";
+  std::string text = n_recordings(outliers.size()) + (outliers.size() == 1 ? " differs" : " differ") +
+                     " from the others by more than chance and " + (outliers.size() == 1 ? "is" : "are") +
+                     " left out of the pooled law: ";
   for (std::size_t k = 0; k < std::min(outliers.size(), kMostNamed); ++k) {
     const RecordingRow& row = between.rows[outliers[k]];
     text += (k > 0 ? ", " : "") + printable(recordings[outliers[k]].summary.recording) +
@@ -179,12 +193,7 @@ std::string of_outliers(const BetweenRecordings& between, const std::vector<Camp
 
 std::string of_groups(const Grouping& grouping, const char* name) {
   if (!grouping.deviation) return {};
-  const StandardDeviation& sd = *grouping.deviation;
-  if (!(sd.value > 0.0))
-    return formatted("That ε differs from %s to %s is not seen: the standard deviation is at most %.2g (95 %%).", name,
-                     name, sd.ci95.hi);
-  return formatted("From %s to %s ε differs by %.2g (standard deviation; 95 %%: %.2g to %.2g).", name, name, sd.value,
-                   sd.ci95.lo, sd.ci95.hi);
+  return of_deviation(*grouping.deviation, name, "");
 }
 
 /// Of few plates the one that is furthest off the mean.
@@ -194,6 +203,8 @@ std::string of_few_plates(const Grouping& plates) {
       plates.rows.begin(), plates.rows.end(), [](const GroupRow& a, const GroupRow& b) { return a.offset < b.offset; });
   const double difference = greatest->offset - least->offset;
   const double se = std::sqrt(greatest->se * greatest->se + least->se * least->se);
+  if (!(se < kMostDeviation))
+    return "How much ε differs from plate to plate is not known: there are too few recordings.";
   return formatted("Plate %s has the greatest ε and %s the least: a difference of %s.",
                    printable(greatest->name).c_str(), printable(least->name).c_str(),
                    fit::in_words(difference, se).c_str());
@@ -218,7 +229,7 @@ std::string of_difference(const GroupDifference& row, GroupUnit unit, bool are_p
   size.value = std::abs(size.value);
   if (!is_greater) size.ci95 = {-row.offset.ci95->hi, -row.offset.ci95->lo};
   const std::string higher = "ε of " + printable(is_greater ? b : a) + " is " + fit::in_words(size.value, size.se) +
-                             " (95 %: " + interval_in_words(size) + ") above that of " + printable(is_greater ? a : b) +
+                             " (" + interval_known(size) + ") above that of " + printable(is_greater ? a : b) +
                              with_the_speed(row.nodes, is_greater ? 1.0 : -1.0);
   const std::string of_one = std::string(to_string(unit)) + (are_plates ? " of one plate" : " of one recording");
   if (!row.p_value)
@@ -228,9 +239,11 @@ std::string of_difference(const GroupDifference& row, GroupUnit unit, bool are_p
   if (*row.p_value < kUnlikely)
     return printable(a) + " and " + printable(b) + " differ by more than " + of_one + " do (" +
            p_in_words(*row.p_value) + "): " + higher + ".";
-  return "That " + printable(a) + " and " + printable(b) + " differ by more than " + of_one + " do is not seen (" +
+  return "It is not seen that " + printable(a) + " and " + printable(b) + " differ by more than " + of_one + " do (" +
          p_in_words(*row.p_value) + "): " + higher +
-         formatted("; a difference of %.2g would be seen in four of five such experiments.", row.detectable);
+         (row.detectable < 1.0
+              ? formatted("; a difference of %.2g would be seen in four of five such experiments.", row.detectable)
+              : "; no difference could be seen by so few drops: drop the ball more often on each.");
 }
 
 }  // namespace
@@ -246,11 +259,13 @@ std::vector<std::string> in_words(const BetweenRecordings& between, const std::v
     if (differences->why) sentences.push_back("No difference is stated: " + in_words(*differences->why) + ".");
   }
   if (between.status != FitStatus::ok) return sentences.empty() ? std::vector{as_sentence(*between.why)} : sentences;
-  sentences.push_back(formatted("ε = %s at %.2g m/s over %s; one more recording would have %.5f to %.5f (95 %%).",
-                                fit::in_words(between.eps.value, between.eps.se).c_str(), between.v_mps,
-                                n_recordings(between.n_used - between.n_outliers).c_str(), between.prediction95.lo,
-                                between.prediction95.hi));
-  sentences.push_back(of_tau(between));
+  const Interval& next = between.prediction95;
+  sentences.push_back(
+      formatted("ε = %s at %.2g m/s over %s; ", fit::in_words(between.eps.value, between.eps.se).c_str(), between.v_mps,
+                n_recordings(between.n_used - between.n_outliers).c_str()) +
+      (next.hi - next.lo < 1.0 ? formatted("one more recording would have %.5f to %.5f (95 %%).", next.lo, next.hi)
+                               : "what one more recording would have is not known."));
+  sentences.push_back(of_deviation(between.tau, "recording", " beyond the errors of each"));
   sentences.push_back(of_drift(between));
   sentences.push_back(of_outliers(between, recordings));
   for (std::string sentence : {differences ? std::string() : of_few_plates(between.plates),
@@ -259,8 +274,8 @@ std::vector<std::string> in_words(const BetweenRecordings& between, const std::v
   if (between.shapes.ndf > 0.0 && between.shapes.p_value < 0.001 &&
       between.shapes.chi2 > kMoreThanErrorsOfErrors * between.shapes.ndf)
     sentences.push_back(
-        formatted("The recordings differ also in how ε goes with speed (χ²/ndf = %.3g/%.0f): errors of "
-                  "that are widened by it.",
+        formatted("The recordings also differ in how ε depends on the speed (χ²/ndf = %.3g/%.0f); the errors of "
+                  "the law include this.",
                   between.shapes.chi2, between.shapes.ndf));
   if (between.n_used < between.n_recordings)
     sentences.push_back(n_recordings(between.n_recordings - between.n_used) +

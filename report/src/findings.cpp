@@ -65,8 +65,8 @@ std::string dependence(const FitResult& r) {
             std::string(r.constants.with_memory ? " and impacts taken as independent" : "") +
             ": gamma = " + fit::in_words(r.constants.gamma->value, r.constants.gamma->se) + ".";
   if (!unknown.empty())
-    text += " The law's constants " + joined(unknown) + " cannot be told from these " + std::to_string(r.law.n) +
-            " impacts, the curve can.";
+    text += " These " + std::to_string(r.law.n) + " impacts do not determine the constants " + joined(unknown) +
+            " of the law; they determine the curve.";
   return text;
 }
 
@@ -102,7 +102,7 @@ std::string certainty(const FitResult& r, const SampleConditions& conditions) {
                                  : std::string(".")) +
       scatter_as_assumed(r);
   return r.constants.parameters.size() > 1 && !describe_constants(r.constants.parameters).empty()
-             ? text + " The constants go together: use them with their correlation, or quote the curve."
+             ? text + " The constants are correlated: use them with their correlation, or quote the curve."
              : text;
 }
 
@@ -123,7 +123,7 @@ std::string limits(const FitResult& r, const std::string& measured) {
   // two exponentials have a kurtosis of 6: the variance of n samples is known to sqrt(5/n)
   if (const double random_share = std::sqrt(5.0 / static_cast<double>(row.n));
       row.share_unexplained >= 0.001 && row.n > 0)
-    text += formatted(" (Of %zu samples there, %.0f %% may be random error.)", row.n,
+    text += formatted(" (These shares come from %zu samples: they may be wrong by %.0f %% of the variance.)", row.n,
                       std::min(100.0, 100.0 * random_share));
   // the shares of two that depend on each other may both be 100 %
   const double contact = r.curve->share_of_contact, drag = r.curve->share_of_drag;
@@ -150,7 +150,7 @@ std::string limits(const FitResult& r, const std::string& measured) {
     const auto worst = std::max_element(r.budget.rows.begin(), r.budget.rows.end(),
                                         [&](const auto& a, const auto& b) { return size(a) < size(b); });
     if (size(*worst) > 0.0)
-      text += formatted(" Taken out: %s, %+.1e at %.2g m/s.", cause, *((*worst).*member), worst->v_mps);
+      text += formatted(" Corrected: %s, %+.1e in ε at %.2g m/s.", cause, *((*worst).*member), worst->v_mps);
   };
   const std::size_t before = text.size();
   shift(&BudgetRow::shift_drag, "air drag");
@@ -177,15 +177,15 @@ std::string gaussian(const std::vector<HistogramFit>& histograms) {
     least = std::min(least, *h.delta_aic_gaussian);
     most = std::max(most, *h.delta_aic_gaussian);
   }
-  if (n == 0) return "Cannot be said: too few samples at any one speed.";
+  if (n == 0) return "Not known: too few samples at any one speed.";
   const auto of = [&](std::size_t k) { return formatted("%zu of %zu", k, n); };
   const std::string head = n_against == n      ? "No"
                            : n_for == n        ? "Yes"
                            : n_against > n_for ? "Probably not"
                                                : "Undecided";
-  return head + ": two exponentials beat a normal by more than " + formatted("%.0f", kDecided) +
-         " in AIC (twice the difference of the log-likelihoods, less the parameters) in " + of(n_against) +
-         " windows of speed, a normal beats them in " + of(n_for) +
+  return head + ": two exponentials describe the scatter better than a normal distribution in " + of(n_against) +
+         " windows of speed, the normal distribution is better in " + of(n_for) +
+         formatted(" (better: by more than %.0f in Akaike's criterion, AIC)", kDecided) +
          formatted(" (AIC of the normal less that of the two exponentials: %.0f to %.0f). ", least, most) +
          "Their slopes differ (95 %) in " + of(n_unequal) + " windows" +
          (ratios.empty() ? "" : ratios[ratios.size() / 2]) + ".";

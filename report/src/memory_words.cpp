@@ -30,10 +30,11 @@ std::string in_words(const MemoryFit& memory) {
   if (memory.status != FitStatus::ok) return "memory could not be fitted: " + objections_in_words(memory);
   if (!memory.holds)
     return "the fit with memory does not hold for these impacts: " + objections_in_words(memory) +
-           "; use ε(v) of the independent likelihood";
+           "; use the curve ε(v) of the fit with independent impacts";
   std::string text = "the fluctuations remember those before them, as a rough ball's do: ";
   if (memory.loglik_independent)
-    text += formatted("ln L %.1f above that of independent impacts, ", memory.loglik - *memory.loglik_independent);
+    text += formatted("log-likelihood %.1f above that of independent impacts, ",
+                      memory.loglik - *memory.loglik_independent);
   const Estimate leak = leak_of(memory);
   return text + describe_tests(memory) + "; share of the reservoir that an impact loses " +
          fit::in_words(leak.value, leak.se) + formatted(" (p = %.2g against none)", memory.leak.p_value);

@@ -21,154 +21,172 @@ using enum Severity;
 using Kind = NoteKind;
 constexpr Wording kWordings[]{
     {Kind::no_ball_likely, no_answer,
-     "no ε is stated: it is doubtful whether a ball bounced (odds {0:.1f} to 1 for a ball, from {1:.1f} s on); listen "
-     "there, the report shows what was taken for impacts"},
-    {Kind::silence, warning, "nothing rises above the noise: too quiet; record nearer to where the ball lands"},
+     "no ε is stated: a bouncing ball is only {0:.1f} times as likely as another sound; listen to the recording "
+     "from {1:.1f} s on"},
+    {Kind::silence, warning, "no sound is louder than the noise; record nearer to where the ball lands"},
     {Kind::no_three_bounces, warning,
-     "{0} {0|sound rises|sounds rise} like {0|an impact|impacts}: three bounces in a row are the least; drop the ball "
-     "from higher, or record nearer to where it lands"},
+     "only {0} {0|sound|sounds} like an impact {0|was|were} heard, and three bounces in a row are needed; "
+     "drop the ball from higher"},
     {Kind::sounds_not_of_ball, warning,
-     "{0} sounds rise like impacts, and no three of them follow each other as a ball's bounces do: no ball, two balls "
-     "at once, or too few bounces; drop one ball, and let it bounce out"},
+     "{0} sounds like impacts were heard, but no three of them follow each other as a ball's bounces do; drop "
+     "one ball, and let it bounce until it rests"},
     {Kind::drops_too_short, warning,
-     "{0} {0|drop|drops} of fewer than {1} impacts, left out: --min-impacts takes shorter ones"},
-    {Kind::recording_left_out, warning, "{s}; left out"},
-    {Kind::doubtful_drops, warning,
-     "{0} of {1} drops {0|is|are} doubtful, odds below {2} to 1 for a bouncing ball: {s}; kept, listen there"},
-    {Kind::contradicted_height, warning,
-     "--drop-height {0:.4g} m contradicts the flights of {1} of {2} drops, which suggest a fall of {3:.2g} m: is it in "
-     "metres, and from rest? Their first impact is left out"},
-    {Kind::recordings_differ, warning,
-     "the {0} recordings do not agree (p = {1:.2g}): {s}; the pooled values are a mean of unlike balls and their "
-     "errors do not hold: use the row of each recording"},
-    {Kind::two_kinds_of_drops, warning, "the drops are of two kinds: ε is about {s}. Two balls, or two floors?"},
-    {Kind::repeated_drops, warning,
-     "{s} ({0} bounces): the same drop twice? Leave copies out, or the errors are too small"},
-    {Kind::eps_above_1, warning, "{0} of {1} samples have ε > 1: time order or units of the input?"},
-    {Kind::eps_below_0, warning, "{0} of {1} samples have ε < 0: time order or columns of the input?"},
-    {Kind::odd_speeds, warning, "{0} of {1} speeds are outside 0.005 to 20 m/s: are {s}, and gravity in m/s^2?"},
-    {Kind::rows_left_out, warning, "{0} of the samples left out: {s}; the first is number {1}"},
-    {Kind::many_intervals_odd, warning,
-     "{0} of {1} bounces are left out, since their intervals look as if an impact was missed or is none: look at the "
-     "times there"},
-    {Kind::mixed_conditions, warning,
-     "{0} of the samples were computed with other corrections, or for another ball, gravity or wave speed than the "
-     "first: drag, contact time and error budget are taken as of the first"},
-    {Kind::drops_differ, warning,
-     "the {0} drops differ by more ({1:.2g} in ε) than bounces of one do ({2:.2g}), which makes the interval wide: "
-     "another ball, spot or release? More drops narrow it"},
-    {Kind::timing_too_large, warning,
-     "the scatter is {0:.2f} of what the stated timing errors alone explain: these are stated too large, and so are "
-     "all "
-     "errors given here"},
-    {Kind::scatter_not_as_fitted, warning,
-     "the scatter about the law is not as the fit assumes: χ²/ndf = {0:.2f}, p = {1:.1e}; {s}"},
-    {Kind::outliers, warning,
-     "{0} {0|bounce is|bounces are} too far from ε(v) for the scatter of the others and left out: missed or invented "
-     "impacts?"},
-    {Kind::beyond_speeds, warning,
-     "ε at {0:.3g} m/s is the law continued: speeds from {1:.3g} to {2:.3g} m/s were measured"},
-    {Kind::timing_not_as_stated, warning,
-     "neighbouring samples show a timing noise of {0:.2g} us where {1:.2g} us are stated"},
-    {Kind::memory_fails, warning, "{s}"},
-    {Kind::uncertain_air, detail, "most of the uncertainty is how strongly the air slows the ball: {s}"},
-    {Kind::uncertain_contact, detail, "most of the uncertainty is how long the ball touches the floor: {s}"},
-    {Kind::other_ball, warning, "{s}: what was taken out of the samples for the one is not put back for the other"},
-    {Kind::same_content, warning, "{s} (by content); counted once"},
-    {Kind::renamed_recordings, warning,
-     "{s}: {0} recordings have the names of recordings in another file: taken as others, with the file's name behind"},
-    {Kind::same_drop_in_files, warning,
-     "{s}: several files have the same drop of this recording: taken as a recording for each file; give the drops "
-     "numbers of their own if it is one"},
+     "{0} {0|drop has|drops have} fewer than {1} impacts and {0|is|are} left out; --min-impacts takes shorter "
+     "drops"},
+    {Kind::eps_impossible, warning,
+     "{0} of {1} samples have ε below 0 or above 1; check the order of the times, the columns and their units"},
+    {Kind::odd_speeds, warning,
+     "{0} of {1} speeds are not between 0.005 and 20 m/s; check that the {s}, and gravity in m/s^2"},
     {Kind::of_file, warning, "{s}"},
-    {Kind::track_taken, warning, "track {0} of {1} tracks of sound has the ball; --track takes another (from 0)"},
-    {Kind::lossy_coding, warning, "lossy coding ({s}): times may be off by more than stated; record as WAV or FLAC"},
-    {Kind::gaps_of_time, warning,
-     "{0} {0|gap|gaps} of the time stamps between impacts of a drop: an impact there would be missing"},
-    {Kind::clipped, warning, "{0} of {1} impacts are clipped: record with less gain"},
-    {Kind::low_band, warning,
-     "the times were taken from the sound below {0} Hz, where the impacts stand out most: less exact than those of all "
-     "frequencies"},
-    {Kind::improbable_impacts, warning,
-     "{0} of {1} impacts are less likely than not the ball's: no ε is taken from them"},
-    {Kind::several_places, warning,
-     "{0} of {1} impacts have more than one place where they may have been; their errors cover these"},
+    {Kind::contradicted_height, warning,
+     "--drop-height {0:.4g} m does not fit {1} of {2} drops, whose flights suggest {3:.2g} m; check the "
+     "height. Their first impact is left out"},
+    {Kind::recording_left_out, warning, "{s}; left out"},
+    {Kind::recordings_differ, warning,
+     "the {0} recordings differ by more than chance (p = {1:.2g}): {s}; use the value of each recording, "
+     "since the errors of a common value are too small"},
+    {Kind::two_kinds_of_drops, warning, "the drops are of two kinds: ε is about {s}. Two balls, or two floors?"},
+    {Kind::doubtful_drops, warning,
+     "{0} of {1} drops {0|is|are} doubtful (a bouncing ball is less than {2} times as likely as another sound): "
+     "{s}; {0|it is|they are} used, listen there"},
     {Kind::second_ball, warning,
-     "a second ball seems to bounce at the same time, {0} impacts from {1:.2f} s on: it is not among the results"},
+     "a second ball seems to bounce at the same time ({0} impacts from {1:.2f} s on) and is not in the "
+     "results; record one ball at a time"},
+    {Kind::other_ball, warning,
+     "{s}; the samples keep the corrections for their own ball; compute the samples again with the new ball"},
+    {Kind::mixed_conditions, warning,
+     "{0} of the samples were computed for another ball, gravity, correction or wave speed than the first "
+     "sample, and are treated like it; fit them apart"},
+    {Kind::no_ball_named, warning,
+     "{s} no ball: air drag and contact time are corrected in the other recordings only; name the ball "
+     "(--ball)"},
+    {Kind::other_conditions, warning,
+     "{s} of another ball, plate, gravity or correction than the first: a difference may come from that; "
+     "compare like with like"},
+    {Kind::repeated_drops, warning,
+     "{s} ({0} bounces): is it the same drop twice? Leave copies out, since copies make the errors too small"},
+    {Kind::same_drop_in_files, warning,
+     "{s}: several files have a drop of this recording with the same number, so each file counts as a "
+     "recording; if it is one, give each drop its own number"},
+    {Kind::renamed_recordings, warning,
+     "{s}: the names of {0} {0|recording|recordings} are in another file too; they count as other recordings, "
+     "and the file's name is added to theirs"},
+    {Kind::same_content, warning, "{s} (by content); it is counted once"},
+    {Kind::many_intervals_odd, warning,
+     "{0} of {1} bounces are left out: the time between their impacts is too long or too short, as if an "
+     "impact were missing or false; check the times there"},
+    {Kind::rows_left_out, warning, "{0} {0|sample is|samples are} left out ({s}); check sample {1}, the first of them"},
+    {Kind::outliers, warning,
+     "{0} {0|bounce is|bounces are} left out, too far from the curve ε(v); check the times there for missing "
+     "or false impacts"},
+    {Kind::gaps_of_time, warning,
+     "the recording has {0} {0|gap|gaps} between impacts of a drop (by its time stamps), where impacts may be "
+     "missing; record without interruption"},
+    {Kind::improbable_impacts, warning, "{0} of {1} impacts are probably not the ball's; no ε is taken from them"},
+    {Kind::memory_fails, warning, "{s}"},
+    {Kind::drops_differ, warning,
+     "the {0} drops differ by more ({1:.2g} in ε) than the bounces of one drop ({2:.2g}): another ball, spot "
+     "or release? More drops make the interval narrower"},
+    {Kind::scatter_not_as_fitted, warning,
+     "the scatter of ε is not as the fit assumes (χ²/ndf = {0:.2f}, p = {1:.1e}); {s}"},
+    {Kind::timing_too_large, warning,
+     "ε scatters only {0:.2f} times as much as the stated timing errors alone predict: these are too large, "
+     "and so are the errors given here; state smaller ones"},
+    {Kind::timing_not_as_stated, warning,
+     "neighbouring samples show timing errors of {0:.2g} us, but {1:.2g} us are stated; check the stated "
+     "timing errors"},
+    {Kind::lossy_coding, warning,
+     "lossy coding ({s}): times may be off by more than their stated errors; record as WAV or FLAC"},
+    {Kind::clipped, warning, "{0} of {1} impacts are clipped: record with less gain"},
+    {Kind::beyond_speeds, warning, "ε at {0:.3g} m/s is extrapolated: the measured speeds are {1:.3g} to {2:.3g} m/s"},
+    {Kind::track_taken, warning, "audio track {0} of {1} (counted from 0) is used; --track takes another"},
+    {Kind::low_band, detail,
+     "the times come from the sound below {0} Hz, where the impacts are clearest; they are less exact than "
+     "times from all frequencies"},
+    {Kind::several_places, detail, "{0} of {1} impacts have more than one possible time; their errors include this"},
     {Kind::modes_left_out, warning,
-     "{0} modes from {1:.0f} to {2:.0f} Hz are left out: a rate of {3:.0f} Hz cannot hold them"},
-    {Kind::synthetic_clipped, warning, "{0} impacts are clipped at full scale"},
-    {Kind::drops_left_plate, warning, "{0} drops ended early: the ball left the plate"},
+     "{0} modes of vibration from {1:.0f} to {2:.0f} Hz are left out, too high for a sampling rate of {3:.0f} "
+     "Hz"},
+    {Kind::synthetic_clipped, warning, "{0} {0|impact is|impacts are} clipped at full scale"},
+    {Kind::drops_left_plate, warning, "{0} {0|drop|drops} ended early: the ball left the plate"},
     {Kind::impacts_with_gain, warning,
-     "{0} of {1} impacts created energy, {2:.4g} of what was released (the contact model allows it)"},
+     "in {0} of {1} impacts the ball gained energy, in all {2:.4g} of the energy at release; the contact "
+     "model allows it"},
+    {Kind::uncertain_air, detail, "most of the uncertainty comes from how strongly the air slows the ball: {s}"},
+    {Kind::uncertain_contact, detail, "most of the uncertainty comes from how long the ball touches the floor: {s}"},
     {Kind::law_contradicted, detail,
-     "the law does not describe these bounces: at {0:.2g} m/s the curve is off by {1:+.2g} in ε (ln B = {2:.0f}), and "
-     "its constants mean nothing"},
+     "the law does not describe these bounces: at {0:.2g} m/s the curve is off by {1:+.2g} in ε (ln of the "
+     "Bayes factor: {2:.0f}); use the curve, not the constants"},
     {Kind::too_few_samples, detail, "{0} usable {0|sample|samples}: at least {1} are needed"},
-    {Kind::not_a_sphere, detail, "the median ε is not between 0.05 and 1: no viscoelastic sphere does that"},
-    {Kind::not_converged, detail, "the search did not converge: a gain of {0:.3g} in log-likelihood is left"},
+    {Kind::not_a_sphere, detail,
+     "the median ε is not between 0.05 and 1: the law of viscoelastic spheres does not apply"},
+    {Kind::not_converged, detail, "the fit did not converge: the log-likelihood could still rise by {0:.3g}"},
     {Kind::not_identifiable, detail,
-     "these {0} impacts do not determine the law's constants (95 % intervals at best: {s}); use the curve ε(v)"},
-    {Kind::one_speed, detail, "all speeds lie between {0:.3g} and {1:.3g} m/s: one ε, at that speed"},
-    {Kind::two_terms, detail, "{0} samples: two terms of the law"},
-    {Kind::one_constant, detail, "{0} samples: one ε for all speeds"},
-    {Kind::no_bootstrap, detail, "no bootstrap by drop: it needs 8 drops or more"},
-    {Kind::few_drops, detail,
-     "{0} {0|drop|drops}, fewer than 10: standard errors take impacts as independent, of the constants and of the "
-     "slopes of p(ε); those of the slopes may be up to 1.7 times too small at low speeds"},
-    {Kind::one_drop_matters, detail,
-     "nearly all that is known comes from one drop: standard errors take impacts as independent, of the constants and "
-     "of the slopes of p(ε); those of the slopes may be up to 1.7 times too small at low speeds"},
-    {Kind::errors_not_stated, detail,
-     "{0} of {1} samples state no timing error: it is neglected there, and the scatter includes it"},
-    {Kind::memory_without_ball, detail,
-     "no ball was named (--ball): the fit with memory takes a solid one, J = {0:.3g} m R^2, of {1:.3g} m radius"},
+     "these {0} impacts do not determine the constants of the law (95 % intervals: {s}); use the curve ε(v)"},
     {Kind::tied_constants, detail,
-     "{s} cannot be told apart with these speeds: their correlation is {0:.4f}; use the curve ε(v), or the constants "
+     "{s} are strongly correlated ({0:.4f}) at these speeds; use the curve ε(v), or the constants together "
      "with their covariance"},
-    {Kind::memory_without_law, detail, "no law to start from"},
-    {Kind::memory_too_few, detail, "memory needs {0} impacts, and drops of {1} successive ones"},
+    {Kind::one_speed, detail,
+     "all speeds are between {0:.3g} and {1:.3g} m/s: there is one ε, at that speed; drop from several "
+     "heights to see more"},
+    {Kind::two_terms, detail, "{0} samples are too few for more than two terms of the law"},
+    {Kind::one_constant, detail, "{0} samples are too few for a law: one ε is fitted to all speeds"},
+    {Kind::no_bootstrap, detail, "there is no bootstrap by drop: it needs at least 8 drops"},
+    {Kind::few_drops, detail,
+     "{s}: standard errors of constants and slopes of p(ε) assume independent impacts, those of slopes may be "
+     "1.7 times too small at low speeds; record 10 drops or more"},
+    {Kind::errors_not_stated, detail, "{0} of {1} samples state no timing error: it counts as scatter of ε there"},
+    {Kind::memory_without_ball, detail,
+     "no ball is named: the fit with memory assumes a solid sphere (J = {0:.3g} m R^2) with a radius of "
+     "{1:.3g} m; name the ball (--ball)"},
+    {Kind::memory_without_law, detail, "there is no law to start from"},
+    {Kind::memory_too_few, detail,
+     "the fit with memory needs at least {0} impacts, and a drop with at least {1} impacts in a row"},
     {Kind::memory_not_converged, detail,
-     "the search for the likeliest parameters did not converge: these fluctuations are not those of a rough ball's "
-     "memory"},
+     "the search for the most likely parameters did not converge: these fluctuations are not those of a rough "
+     "ball with memory"},
     {Kind::memory_without_errors, detail,
-     "the errors of the likeliest parameters could not be found: too few draws from the posterior count"},
+     "the errors of the most likely parameters could not be found: too few draws from the posterior have "
+     "weight"},
     {Kind::memory_transforms, detail,
-     "the impacts do not scatter as the model assumes (Anderson-Darling test of the probability transforms)"},
-    {Kind::memory_mechanism, detail, "offset and width of the scatter want different roughness"},
-    {Kind::memory_by_speed, detail, "slow impacts want another roughness than fast ones"},
-    {Kind::memory_between_drops, detail, "drops differ from each other by more than their impacts say"},
-    {Kind::memory_unlikelier, detail,
-     "impacts taken as independent are likelier: these fluctuations do not remember as those of a rough ball do"},
+     "the impacts do not scatter as the model assumes (Anderson-Darling test of the probability transforms, p "
+     "= {0:.2g})"},
+    {Kind::memory_mechanism, detail, "the offset and the width of the scatter need different roughness (p = {0:.2g})"},
+    {Kind::memory_by_speed, detail, "slow impacts and fast impacts need different roughness (p = {0:.2g})"},
+    {Kind::memory_between_drops, detail,
+     "the drops differ by more than the scatter of their impacts explains (p = {0:.2g})"},
+    {Kind::memory_unlikelier, detail, "a model of independent impacts is more likely than the memory of a rough ball"},
     {Kind::too_few_recordings, detail,
-     "{0} of {1} {1|recording has|recordings have} a law of {0|its|their} own: a law of all needs {2}, a comparison 2"},
-    {Kind::undetermined_campaign, detail, "{0} recordings do not determine law, drift and plates together"},
-    {Kind::law_of_two_constants, detail, "the speeds determine no more than two constants of the law, A2 and A4"},
-    {Kind::one_speed_of_all, detail, "all speeds are near {0:.3g} m/s: one ε for all of them"},
+     "{0} of {1} {1|recording has|recordings have} enough samples for a law; a common law needs {2} such "
+     "recordings, a comparison needs 2"},
+    {Kind::undetermined_campaign, detail, "{0} recordings are too few to determine law, drift and plates together"},
+    {Kind::law_of_two_constants, detail, "the speeds determine only two constants of the law, A2 and A4"},
+    {Kind::one_speed_of_all, detail, "all speeds are near {0:.3g} m/s: one ε is fitted to all of them"},
     {Kind::plates_not_in_law, detail,
-     "{0} plates of {1} recordings: too few of the same plate for the pooled law to tell what differs from plate to "
-     "plate from what differs from recording to recording; it has no plates"},
-    {Kind::plates_are_days, detail, "each plate has a day of its own: plates and days cannot be told apart"},
+     "{0} plates in {1} recordings: too few recordings of each plate to tell plates from recordings; the "
+     "pooled law ignores the plates"},
+    {Kind::plates_are_days, detail,
+     "each plate has a day of its own, so plates and days cannot be told apart; measure several plates on one "
+     "day"},
     {Kind::few_days, detail,
-     "{0} days: too few to know how much ε differs from day to day, so the error of a drift is that of recordings that "
-     "have nothing in common by their day"},
-    {Kind::dates_missing, detail, "{0} of {1} recordings have no date and say nothing of a drift"},
-    {Kind::one_date, detail, "all recordings have one date: no drift can be seen"},
+     "{0} days are too few to know how much ε differs from day to day; the error of the drift assumes that it "
+     "does not"},
+    {Kind::dates_missing, detail, "{0} of {1} recordings have no date and do not count for the drift"},
+    {Kind::one_date, detail, "all recordings have the same date: a drift cannot be seen"},
     {Kind::plates_are_times, detail,
-     "what differs from plate to plate cannot be told from a drift: each plate has a time of its own"},
+     "each plate has a time of its own, so plates and a drift cannot be told apart; measure the plates in turn"},
     {Kind::rows_without_samples, warning, "{s}"},
     {Kind::no_row, warning, "{s}"},
-    {Kind::no_ball_named, warning,
-     "{s} no ball: drag and contact time are taken out of the others alone; name it (--ball)"},
-    {Kind::other_conditions, warning,
-     "{s} of another ball, plate or gravity than the first, or otherwise corrected: what differs may be that"},
-    {Kind::group_too_small, detail, "{s} has {0} usable samples: at least {1} are needed"},
+    {Kind::group_too_small, detail, "{s} has {0} usable {0|sample|samples}: at least {1} are needed"},
     {Kind::no_common_speeds, detail,
-     "no speeds are common to all: one ends at {0:.2g} m/s, another begins at {1:.2g} m/s"},
-    {Kind::group_few_at_common, detail, "{s} has {0} samples at the speeds that all share, {1:.2g} to {2:.2g} m/s"},
-    {Kind::group_without_law, detail, "{s} has no law of its own"},
-    {Kind::no_error_of_law, detail, "its own law has no standard error"},
-    {Kind::errors_tied, detail, "the errors of its own law cannot be told apart"},
+     "the groups have no common speeds: one ends at {0:.2g} m/s, another begins at {1:.2g} m/s; drop from the "
+     "same heights"},
+    {Kind::group_few_at_common, detail,
+     "{s} has only {0} {0|sample|samples} at the common speeds, {1:.2g} to {2:.2g} m/s"},
+    {Kind::group_without_law, detail, "no law could be fitted to {s}"},
+    {Kind::no_error_of_law, detail, "the law of this recording has no standard error"},
+    {Kind::errors_tied, detail,
+     "the values of this recording at different speeds have errors that cannot be separated"},
     {Kind::detector_failed, warning, "{s}"}};
 
 const Wording& wording_of(NoteKind kind) {
@@ -268,7 +286,7 @@ std::vector<Note> notes_of(const std::vector<detection::RecordingDetection>& rec
     for (const detection::DropSummary& drop : r.found.drops) {
       if (!likeliest || drop.odds > likeliest->odds) likeliest = &drop, of = &r;
       if (!drop.is_doubtful() || ++n_doubtful > kMostNamed) continue;
-      where += (where.empty() ? "" : ", ") + name_of(r) + formatted(" at %.1f s (%.1f to 1)", drop.begin_s, drop.odds);
+      where += (where.empty() ? "" : ", ") + name_of(r) + formatted(" at %.1f s (%.1f times)", drop.begin_s, drop.odds);
     }
   }
   if (n_doubtful > kMostNamed) where += formatted(" and %zu more", n_doubtful - kMostNamed);

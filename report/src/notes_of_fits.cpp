@@ -34,10 +34,10 @@ void note_correlation(const Constants& law, Notes& notes) {
 /// What one drop's impacts share cannot be seen without other drops. (Figures: docs/physics.md, errors by drop.)
 void note_few_drops(const DropCount& drops, Notes& notes) {
   if (drops.n == 0 || drops.errors == ErrorBasis::by_drop) return;
-  if (drops.n >= kFewestDrops)
-    notes.push_back({NoteKind::one_drop_matters});
-  else
-    notes.push_back({NoteKind::few_drops, {static_cast<double>(drops.n)}});
+  notes.push_back({NoteKind::few_drops,
+                   {},
+                   drops.n >= kFewestDrops ? "nearly all that is known comes from one drop"
+                                           : formatted("%zu %s", drops.n, drops.n == 1 ? "drop" : "drops")});
 }
 
 /// Drops that differ by more than single bounces do, and visibly: something is another from drop to drop.
@@ -64,8 +64,9 @@ void note_law(const FitResult& result, Notes& notes) {
     else
       notes.push_back({NoteKind::scatter_not_as_fitted,
                        {*law.chi2 / static_cast<double>(*law.ndf), *law.p_value},
-                       law.drops.errors == ErrorBasis::by_drop ? "standard errors are by drop and do not depend on it"
-                                                               : "standard errors may be too small"});
+                       law.drops.errors == ErrorBasis::by_drop
+                           ? "the standard errors come from the differences between drops and do not depend on it"
+                           : "the standard errors may be too small"});
   }
   if (!law.outliers.empty()) notes.push_back({NoteKind::outliers, {static_cast<double>(law.outliers.size())}});
 }
@@ -110,9 +111,9 @@ void note_rows_left_out(const LeftOut& left_out, Notes& notes) {
   for (const auto& [reason, first] : left_out.first) {
     const std::optional<Flag> flag = flag_named(reason);
     if (flag && *flag != Flag::not_finite) continue;
-    std::string why = "flag " + reason;
-    if (flag) why = "not finite";
-    if (reason == "speed_not_positive") why = "speed not positive";
+    std::string why = "they have the flag " + reason;
+    if (flag) why = "a number is not finite";
+    if (reason == "speed_not_positive") why = "the speed is not positive";
     if (reason == "contact_most_of_bounce") why = "the ball named touches the floor for most of that bounce";
     notes.push_back(
         {NoteKind::rows_left_out, {static_cast<double>(left_out.n.at(reason)), static_cast<double>(first)}, why});
@@ -161,11 +162,11 @@ void note_largest_part(const Curve& curve, const SampleConditions& of, Notes& no
   notes.push_back(
       {drag > contact ? NoteKind::uncertain_air : NoteKind::uncertain_contact,
        {},
-       !of.ball         ? "name the ball to narrow it (--ball)"
-       : drag > contact ? "bounces from less high narrow it"
+       !of.ball         ? "name the ball to reduce it (--ball)"
+       : drag > contact ? "drop the ball from less high to reduce it"
        : !of.plate && contact_duration(*of.ball, kGlass).has_value() && !contact_duration(*of.ball, of.plate)
-           ? "name the floor to narrow it (--plate)"
-           : "bounces from higher narrow it"});
+           ? "name the floor to reduce it (--plate)"
+           : "drop the ball from higher to reduce it"});
 }
 
 }  // namespace
@@ -180,8 +181,7 @@ Note note_of(const KindsOfDrops& kinds) {
 
 void Implausible::add(const RestitutionSample& sample) {
   ++n_;
-  n_above_one_ += sample.eps > 1.0;
-  n_below_zero_ += sample.eps < 0.0;
+  n_impossible_ += sample.eps < 0.0 || sample.eps > 1.0;
   n_speeds_ += sample.v_mps > 20.0 || sample.v_mps < 0.005;
   of_heights_ = sample.conditions.of_heights;
 }
@@ -193,9 +193,9 @@ std::vector<Note> Implausible::notes() const {
   const auto add_many = [&](NoteKind kind, std::size_t count, const char* subject = "") {
     if (static_cast<double>(count) > kMany * n) found.push_back({kind, {static_cast<double>(count), n}, subject});
   };
-  add_many(NoteKind::eps_above_1, n_above_one_);
-  add_many(NoteKind::eps_below_0, n_below_zero_);
-  add_many(NoteKind::odd_speeds, n_speeds_, of_heights_ ? "heights in the unit that was said" : "times in seconds");
+  add_many(NoteKind::eps_impossible, n_impossible_);
+  add_many(NoteKind::odd_speeds, n_speeds_,
+           of_heights_ ? "heights are in the unit that is stated" : "times are in seconds");
   return found;
 }
 

@@ -109,7 +109,8 @@ std::string contradicted(const Curve& curve) {
   const double pull = by_drag ? *curve.kappa_pull : *curve.contact_pull;
   return std::string("The bounces are not those of the ball that was named: ") +
          (by_drag ? (pull > 0.0 ? "the air slows this one more" : "the air slows this one less")
-                  : (pull > 0.0 ? "this one touches the floor longer" : "this one touches the floor more shortly")) +
+                  : (pull > 0.0 ? "this one touches the floor for a longer time"
+                                : "this one touches the floor for a shorter time")) +
          formatted(" (by %.1f standard deviations). Another ball, or a time that is no impact?", std::abs(pull));
 }
 
@@ -196,11 +197,11 @@ std::string of_value(const PlainAnswer& answer, const Curve& curve, const Sample
   constexpr double kShort = 1.0 / 3.0;
   double widest = 0.0;
   for (const Estimate& change : curve.end_changes) widest = std::max(widest, change.ci95->hi - change.ci95->lo);
-  const std::string range = speed(curve.points.front().x) + " to " + speed(curve.points.back().x);
-  if (widest < kShort * (1.0 - at.eps.value)) return text + "; no change with the speed is seen from " + range + ".";
+  const std::string range = speed(curve.points.front().x) + " and " + speed(curve.points.back().x);
+  if (widest < kShort * (1.0 - at.eps.value)) return text + "; no change with the speed is seen between " + range + ".";
   return text + (conditions.ball || !curve.kappa_per_m
-                     ? "; whether it changes from " + range + " cannot be told."
-                     : std::string("; whether it changes with the speed or the air does it cannot be told from the ") +
+                     ? "; whether ε changes between " + range + " is not known."
+                     : std::string("; whether the speed or the air changes ε is not known from the ") +
                            measured_in_words(conditions) + ": name the ball (--ball).");
 }
 
@@ -218,16 +219,17 @@ std::string of_range(const PlainAnswer& answer, bool differ) {
     if (!least || r.at->eps.value < least->at->eps.value) least = &r;
     if (!greatest || r.at->eps.value > greatest->at->eps.value) greatest = &r;
   }
-  std::string text = formatted(differ ? "The %zu recordings differ by more than chance: "
-                                      : "Whether the %zu recordings agree cannot be told, too few bounces of each: ",
-                               answer.recordings.size());
+  std::string text =
+      formatted(differ ? "The %zu recordings differ by more than chance: "
+                       : "Whether the %zu recordings agree is not known, since each has too few bounces: ",
+                answer.recordings.size());
   if (least)
     text += "ε runs from " + rounded(least->at->eps.value, decimals_for(least->at->eps)) + " (" +
             file_name(least->recording) + ", " + speed(least->at->v_mps) + ") to " +
             rounded(greatest->at->eps.value, decimals_for(greatest->at->eps)) + " (" + file_name(greatest->recording) +
             ", " + speed(greatest->at->v_mps) + "); ";
-  return text + (differ ? "each has a value of its own, one for all of them would belong to no ball."
-                        : "each has a value of its own (--pool makes one of all).");
+  return text + (differ ? "use the value of each, since one value for all would belong to no ball."
+                        : "use the value of each (--pool makes one value of all).");
 }
 
 /// "Dropped from about 5.2 cm (4.9 to 5.5 cm); from 52 impacts in 8.2 s."
@@ -250,16 +252,17 @@ std::string of_drops(const DropsSeen& seen, bool one_ball) {
          (seen.n_drops > 1 ? " of bouncing." : ".");
 }
 
-/// "Dropped from 254 cm this ball rebounds 141 cm (95 %: 137 to 145 cm); the rule (ITF) asks for 135 to
+/// "Dropped from 254 cm this ball rebounds to 141 cm (95 %: 137 to 145 cm); the rule (ITF) asks for 135 to
 /// 147 cm on concrete: within."
 std::string of_rebound(const Rebound& rebound) {
-  const auto cm = [](double height_m) { return formatted("%.3g", 100.0 * height_m); };
   const Interval& ci95 = *rebound.height_m.ci95;
+  const int decimals = std::clamp(decimals_of_two_digits(100.0 * (ci95.hi - ci95.lo)) - 1, 0, 2);
+  const auto cm = [decimals](double height_m) { return rounded(100.0 * height_m, decimals); };
   const std::optional<bool> is_within = rebound.is_within();
-  return "Dropped from " + cm(rebound.rule.height_m) + " cm this ball rebounds " + cm(rebound.height_m.value) +
-         " cm (95 %: " + cm(ci95.lo) + " to " + cm(ci95.hi) + " cm); the rule (" + rebound.rule.by + ") asks for " +
-         asked_rebound(rebound.rule) + " on " + rebound.rule.floor + ": " +
-         (!is_within   ? "within or not, the interval reaches across the limit."
+  return "Dropped from " + formatted("%.4g", 100.0 * rebound.rule.height_m) + " cm this ball rebounds to " +
+         cm(rebound.height_m.value) + " cm (95 %: " + cm(ci95.lo) + " to " + cm(ci95.hi) + " cm); the rule (" +
+         rebound.rule.by + ") asks for " + asked_rebound(rebound.rule) + " on " + rebound.rule.floor + ": " +
+         (!is_within   ? "whether it is within is not known, since the interval contains the limit."
           : *is_within ? "within."
                        : "not within.");
 }
@@ -269,7 +272,7 @@ std::string of_missing(const FitResult& result, const RestitutionSamples& sample
   std::vector<double> eps;
   for (const RestitutionSample& s : samples)
     if (s.flags.empty() && std::isfinite(s.eps) && s.v_mps > 0.0) eps.push_back(s.eps);
-  if (eps.empty()) return "ε is not known: no three impacts in a row from which it could be had.";
+  if (eps.empty()) return "ε is not known: it needs at least three impacts in a row.";
   return "ε cannot be stated: " + (result.law.why ? in_words(*result.law.why) : "no law was fitted") + ".";
 }
 

@@ -45,7 +45,7 @@ std::string extremes(const std::vector<RecordingFit>& rows) {
     values.clear();
     for (const RecordingFit& row : rows)
       if (row.offset) values.push_back({row.offset->value, &row});
-    what = "the offset from one curve";
+    what = "the difference from the common curve";
   }
   if (values.size() < 2) return {};
   const auto [least, greatest] = std::minmax_element(
@@ -67,11 +67,12 @@ std::string in_words(const Recordings& recordings) {
   if (recordings.rows.empty()) return {};
   if (const auto differ = note_of_difference(recordings)) return in_words(*differ);
   if (!recordings.test)
-    return formatted("the %zu recordings cannot be compared: too few samples of each", recordings.rows.size());
+    return formatted("the %zu recordings cannot be compared: each has too few samples", recordings.rows.size());
   const RecordingsTest& test = *recordings.test;
   return formatted("the %zu recordings agree (p = %.2g", test.n_recordings, test.p_value) +
-         (test.within == WithinUnit::drops ? " by the differences between drops)"
-                                           : " if all impacts are independent: too few drops to see)");
+         (test.within == WithinUnit::drops
+              ? " by the differences between drops)"
+              : " if all impacts are independent; too few drops to know whether they are)");
 }
 
 }  // namespace bouncelab::report

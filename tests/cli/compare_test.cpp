@@ -169,7 +169,8 @@ TEST_F(CompareCommand, SaysWhereBallGravityOrCorrectionsDiffer) {
     ASSERT_EQ(run("restitution " + name + ".csv --out " + name + "s.csv").exit_code, 0);
   EXPECT_THAT(run("compare as.csv bs.csv --out same").err, testing::Not(testing::HasSubstr("of another ball")));
   const Result result = run("compare as.csv bs.csv cs.csv --out o");
-  EXPECT_THAT(result.err + result.out, testing::HasSubstr("of another ball, plate or gravity than the first"));
+  EXPECT_THAT(result.err + result.out,
+              testing::HasSubstr("of another ball, plate, gravity or correction than the first"));
 }
 
 }  // namespace

@@ -68,7 +68,7 @@ TEST_F(ForeignFiles, OfWhichNoBallIsAreDoubtedByRestitutionToo) {
   write("t.csv", "Time (s)\n0.4\n1\n1.7\n2.5\n3.4\n");
   const Result result = run("restitution t.csv --out s.csv");
   EXPECT_EQ(result.exit_code, 0);
-  EXPECT_THAT(result.err, HasSubstr("3 of 3 samples have ε > 1: time order or units of the input?"));
+  EXPECT_THAT(result.err, HasSubstr("3 of 3 samples have ε below 0 or above 1; check"));
 }
 
 TEST_F(ForeignFiles, GapsOfAContainersTimeStampsAreKept) {
@@ -87,7 +87,7 @@ TEST_F(ForeignFiles, GapsOfAContainersTimeStampsAreKept) {
     EXPECT_EQ(found["n_onsets"], 12) << name;
     EXPECT_EQ(found["n_gaps"], 6) << name;
     EXPECT_NEAR(found["eps_median"].number(), kEps, 1e-3) << name;
-    EXPECT_THAT(result.out, AllOf(HasSubstr("have 6 gaps"), HasSubstr("6 gaps of the time stamps between impacts")));
+    EXPECT_THAT(result.out, AllOf(HasSubstr("have 6 gaps"), HasSubstr("6 gaps between impacts")));
   }
 }
 
@@ -103,7 +103,7 @@ TEST_F(ForeignFiles, OfSeveralTracksThatWithTheBallIsTaken) {
   const Json found = Json(result.out)["recordings"][0];
   EXPECT_EQ(found["track"], 1);
   EXPECT_EQ(found["n_onsets"], 12);
-  EXPECT_THAT(result.err, HasSubstr("track 1 of 2 tracks of sound has the ball"));
+  EXPECT_THAT(result.err, HasSubstr("audio track 1 of 2"));
   expect_one_line_error(run("detect a.mov --track 0 --out p.csv"), 1, {"a.mov"});
   expect_one_line_error(run("detect a.mov --track 2 --out p.csv"), 2, {"track 2", "tracks 0 to 1"});
 }
@@ -371,7 +371,7 @@ TEST_F(ForeignFiles, SoundOfNoBallOrOfTwoIsDescribedAsItIs) {
   write("dead.wav", float_wav(bouncing(4, 0.15, 0.8), 44100));
   expect_one_line_error(
       run("detect dead.wav --out o.csv"), 1,
-      {"4 sounds rise like impacts", "no three of them follow each other", "let it bounce out", "times.csv"});
+      {"4 sounds like impacts", "no three of them follow each other", "let it bounce until", "times.csv"});
   std::vector<float> both = bouncing(12, kEps, 0.6);
   const std::vector<float> other = bouncing(9, 0.75, 0.7);
   constexpr std::size_t kLater = 22050;  // half a second

@@ -164,7 +164,7 @@ class Errors(Case):
     def test_warnings_of_the_program_are_warnings(self):
         with self.assertWarnsRegex(bl.BouncelabWarning, "drops ended early"):
             bl.simulate(drops=2, impacts=10, asperities=2000, plate_size=(0.05, 0.05), spin=(0, 50, 0))
-        with self.assertWarnsRegex(bl.BouncelabWarning, "ε > 1") as seen:
+        with self.assertWarnsRegex(bl.BouncelabWarning, "ε below 0 or above 1") as seen:
             bl.fit(bl.Samples(v=small_impacts(bl).v, eps=small_impacts(bl).eps + 0.2), goodness_replicates=0)
         self.assertEqual(os.path.basename(seen.filename), "test_arguments.py")  # of the caller, not of the package
 

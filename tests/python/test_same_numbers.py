@@ -85,7 +85,7 @@ class Stages(Case):
             self.assertEqual(read(self.path("again.csv")), read(out))
         silent = bl.detect(np.zeros(50000, np.float32), 44100)
         self.assertEqual((len(silent), silent.t.shape, silent.t.dtype), (0, (0,), np.float64))
-        self.assertIn("recording: nothing rises above the noise", silent.message)
+        self.assertIn("recording: no sound is louder than the noise", silent.message)
 
     def test_restitution(self):
         onsets, csv, out = bl.detect(small_sound(bl)), self.path("o.csv"), self.path("r.csv")

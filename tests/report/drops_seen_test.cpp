@@ -63,7 +63,8 @@ TEST(Rebound, OfANamedBallIsWhatItsRuleAsksForOrNot) {
   for (const auto& [rebound_m, is_within, words] :
        {std::tuple{1.41, std::optional(true), "(ITF) asks for 135 to 147 cm on concrete: within."},
         {1.25, std::optional(false), "on concrete: not within."},
-        {1.35, std::optional<bool>(), "on concrete: within or not, the interval reaches across the limit."}}) {
+        {1.35, std::optional<bool>(),
+         "on concrete: whether it is within is not known, since the interval contains the limit."}}) {
     const auto [rebound, sentences] = answer("tennis", 2.54, eps_of_rebound(rebound_m));
     ASSERT_TRUE(rebound) << rebound_m;
     EXPECT_TRUE(rebound->height_m.ci95->lo < rebound_m && rebound_m < rebound->height_m.ci95->hi) << rebound_m;

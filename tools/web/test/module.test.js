@@ -111,7 +111,7 @@ describe('the module', {skip: missing}, () => {
 
   test('sound that comes from a lossy coding is warned of as by the program, also where marks are given', () => {
     const {samples, rate_hz} = module.readSound(readFileSync(clean), 'clean.flac'), sound = [samples.slice(0, 5 * rate_hz), rate_hz, 1, 'clean.m4a'];
-    const text = 'lossy coding (AAC): times may be off by more than stated; record as WAV or FLAC', options = JSON.stringify({'lossy-coding': 'AAC'});
+    const text = 'lossy coding (AAC): times may be off by more than their stated errors; record as WAV or FLAC', options = JSON.stringify({'lossy-coding': 'AAC'});
     const found = module.analyze(...sound, options), warnings = analysis => JSON.parse(analysis.summary).notes.map(note => note.text);
     assert.ok(warnings(found).includes(text), `${warnings(found)}`);
     assert.equal(JSON.parse(found.summary).recordings[0].lossy_coding, 'AAC');

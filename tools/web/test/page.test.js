@@ -259,7 +259,7 @@ describe('the page', {skip: missing ?? false}, () => {
       const says = await choose(page, file);
       assert.ok(says.includes(`${rate} Hz`), `${name}: ${says}`);
       assert.ok(await countOf(page) > 0.9 * truth.length, `${name}: ${await countOf(page)} of ${truth.length}`);  // the faintest may drown in the codec's noise
-      assert.ok((await notes()).includes(`lossy coding (${coding}): times may be off by more than stated; record as WAV or FLAC`), `${name}: ${await notes()}`);
+      assert.ok((await notes()).includes(`lossy coding (${coding}): times may be off by more than their stated errors; record as WAV or FLAC`), `${name}: ${await notes()}`);
       any = true;
     }
     if (any) {
@@ -319,7 +319,7 @@ describe('the page', {skip: missing ?? false}, () => {
     assert.match(await statusOf(page), /^folder cannot be read; is it a folder/);
     if (noise) {
       const says = await choose(page, noise), lead = await page.$eval('#answer .lead', node => node.textContent);
-      assert.match(await page.$eval('#result', node => node.hidden) ? says : lead, /impact|bounc|above the noise/i);
+      assert.match(await page.$eval('#result', node => node.hidden) ? says : lead, /impact|bounc|louder than the noise/i);
     }
     await choose(page, clean);
     assert.equal(await countOf(page), truth.length);

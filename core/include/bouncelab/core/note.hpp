@@ -18,72 +18,76 @@ enum class Severity {
 /// The words of fit.json: "no_answer", "warning", "detail".
 const char* to_string(Severity severity);
 
-/// Of two notes of one severity that of the kind that stands first here is told first. The comments are the numbers, in
-/// their order, and behind a semicolon the subject.
+/// Of two notes of one severity that of the kind that stands first here is told first, so that the order is that of
+/// importance: what makes the answer wrong, what makes it one of another thing, what it misses, what makes its errors
+/// wrong. The comments are the numbers, in their order, and behind a semicolon the subject.
 enum class NoteKind {
-  // what was heard
-  no_ball_likely,       ///< odds, begin [s]
-  silence,              ///<
-  no_three_bounces,     ///< sounds that rise
-  sounds_not_of_ball,   ///< sounds that rise
-  drops_too_short,      ///< drops, least impacts
-  recording_left_out,   ///< ; why
-  doubtful_drops,       ///< drops, of drops, odds; where
+  // nothing was heard
+  no_ball_likely,      ///< odds, begin [s]
+  silence,             ///<
+  no_three_bounces,    ///< sounds that rise
+  sounds_not_of_ball,  ///< sounds that rise
+  drops_too_short,     ///< drops, least impacts
+  // the input is not what it is taken for
+  eps_impossible,       ///< samples, of samples
+  odd_speeds,           ///< samples, of samples; what to look at
+  of_file,              ///< ; what a reader says of its file
   contradicted_height,  ///< stated [m], drops, of drops, suggested [m]
-  // what was fitted
-  recordings_differ,      ///< recordings, p; what runs from where to where
-  two_kinds_of_drops,     ///< ; the lower eps and its drops, the upper
-  repeated_drops,         ///< bounces; which drops
-  eps_above_1,            ///< samples, of samples
-  eps_below_0,            ///< samples, of samples
-  odd_speeds,             ///< samples, of samples; what to look at
-  rows_left_out,          ///< samples, the first; why
-  many_intervals_odd,     ///< bounces, of bounces
-  mixed_conditions,       ///< samples
-  drops_differ,           ///< drops, by [eps], bounces by [eps]
-  timing_too_large,       ///< scatter over what the stated errors explain
-  scatter_not_as_fitted,  ///< chi^2/ndf, p
-  outliers,               ///< bounces
-  beyond_speeds,          ///< speed, slowest, fastest [m/s]
-  timing_not_as_stated,   ///< seen, stated [us]
-  memory_fails,           ///< ; why
-  uncertain_air,          ///< ; the remedy
-  uncertain_contact,      ///< ; the remedy
-  // files
-  other_ball,          ///< ; the ball of the samples, and the one that is named
-  same_content,        ///< ; the file, and the one that it is the same as
-  renamed_recordings,  ///< recordings; the file
-  same_drop_in_files,  ///< ; the recording
-  of_file,             ///< ; what a reader says of its file
-  // how it was heard
-  track_taken,         ///< track, of tracks
-  lossy_coding,        ///< ; the coding
-  gaps_of_time,        ///< gaps
-  clipped,             ///< impacts, of impacts
-  low_band,            ///< highest frequency [Hz]
-  improbable_impacts,  ///< impacts, of impacts
-  several_places,      ///< impacts, of impacts
+  // the input is not of one ball
+  recording_left_out,  ///< ; why
+  recordings_differ,   ///< recordings, p; what runs from where to where
+  two_kinds_of_drops,  ///< ; the lower eps and its drops, the upper
+  doubtful_drops,      ///< drops, of drops, odds; where
   second_ball,         ///< impacts, begin [s]
+  other_ball,          ///< ; the ball of the samples, and the one that is named
+  mixed_conditions,    ///< samples
+  no_ball_named,       ///< recordings, of recordings; which
+  other_conditions,    ///< recordings, of recordings; which
+  // what counts once or as several
+  repeated_drops,      ///< bounces; which drops
+  same_drop_in_files,  ///< ; the recording
+  renamed_recordings,  ///< recordings; the file
+  same_content,        ///< ; the file, and the one that it is the same as
+  // what is left out or missing
+  many_intervals_odd,  ///< bounces, of bounces
+  rows_left_out,       ///< samples, the first; why
+  outliers,            ///< bounces
+  gaps_of_time,        ///< gaps
+  improbable_impacts,  ///< impacts, of impacts
+  // errors and the fit
+  memory_fails,           ///< ; why
+  drops_differ,           ///< drops, by [eps], bounces by [eps]
+  scatter_not_as_fitted,  ///< chi^2/ndf, p
+  timing_too_large,       ///< scatter over what the stated errors explain
+  timing_not_as_stated,   ///< seen, stated [us]
+  // how it was recorded
+  lossy_coding,    ///< ; the coding
+  clipped,         ///< impacts, of impacts
+  beyond_speeds,   ///< speed, slowest, fastest [m/s]
+  track_taken,     ///< track, of tracks
+  low_band,        ///< highest frequency [Hz]
+  several_places,  ///< impacts, of impacts
   // synthetic sound
   modes_left_out,     ///< modes, lowest [Hz], highest [Hz], rate [Hz]
   synthetic_clipped,  ///< impacts
   drops_left_plate,   ///< drops
   impacts_with_gain,  ///< impacts, of impacts, energy over that released
-  // constants of the law
+  // the answer and its law
+  uncertain_air,        ///< ; the remedy
+  uncertain_contact,    ///< ; the remedy
   law_contradicted,     ///< speed [m/s], eps of the curve less the law, ln B
   too_few_samples,      ///< samples, least
   not_a_sphere,         ///<
   not_converged,        ///< gain left in log-likelihood
   not_identifiable,     ///< impacts; constants with their intervals
+  tied_constants,       ///< correlation; which
   one_speed,            ///< least, most [m/s]
   two_terms,            ///< samples
   one_constant,         ///< samples
   no_bootstrap,         ///<
-  few_drops,            ///< drops
-  one_drop_matters,     ///<
+  few_drops,            ///< ; how few
   errors_not_stated,    ///< samples, of samples
   memory_without_ball,  ///< inertia over m R^2, radius [m]
-  tied_constants,       ///< correlation; which
   // the fit with memory
   memory_without_law,     ///<
   memory_too_few,         ///< least impacts, least in a row
@@ -107,8 +111,6 @@ enum class NoteKind {
   plates_are_times,       ///<
   rows_without_samples,   ///< rows, of rows; which, the table
   no_row,                 ///< recordings, of recordings; which, the table
-  no_ball_named,          ///< recordings, of recordings; which
-  other_conditions,       ///< recordings, of recordings; which
   group_too_small,        ///< samples, least; the group
   no_common_speeds,       ///< one ends at, another begins at [m/s]
   group_few_at_common,    ///< samples, from, to [m/s]; the group

@@ -131,7 +131,7 @@ class Implausible {
   std::vector<Note> notes() const;
 
  private:
-  std::size_t n_ = 0, n_above_one_ = 0, n_below_zero_ = 0, n_speeds_ = 0;
+  std::size_t n_ = 0, n_impossible_ = 0, n_speeds_ = 0;
   bool of_heights_ = false;
 };
 
