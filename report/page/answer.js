@@ -48,7 +48,7 @@ function firstScreen() {
     const [lead, ...rest] = answer.sentences;
     words.append(element('p', {class: 'lead'}, lead), ...[...rest, ...(answer.doubt ? [withoutPaths(answer.doubt)] : [])].map(s => element('p', {}, s)));
     const taken = (summary && summary.taken) || fit.taken || [];
-    if (taken.length) words.append(element('p', {class: 'caption'}, `Taken: ${taken.map(t => `${t.what} ${t.value}`).join(', ')}.`));
+    if (taken.length) words.append(element('p', {class: 'caption'}, `Taken: ${taken.map(t => `${t.what} ${t.value}`).join(', ')}.`.replace(/\^2/g, '²').replace(/\^3/g, '³')));
     if (explanations(answer)) words.append(element('p', {class: 'caption'}, explanations(answer)));
   }
   const hasCurve = answerCurve(fit).length;
@@ -63,14 +63,14 @@ function firstScreen() {
 
 /// Why eps is not the same at every bounce: three sentences and how large each cause is, drawn to one scale.
 function causesBox(causes) {
-  const most = Math.max(...causes.map(c => c.size ?? 0));
-  const bars = causes.map(c => {
+  const sized = causes.filter(c => c.size > 0), most = Math.max(...sized.map(c => c.size));
+  const bars = sized.map(c => {
     const bar = element('i', c.is_seen ? {class: 'seen'} : {});
-    bar.style.width = known(c.size) && most > 0 ? `${100 * c.size / most}%` : '0';
-    return element('div', {}, element('span', {}, c.name), element('span', {class: 'bar'}, bar), element('span', {}, known(c.size) ? number(c.size, 2) + (c.is_seen ? '' : ', not seen') : 'not known'));
+    bar.style.width = `${100 * c.size / most}%`;
+    return element('div', {}, element('span', {}, c.name), element('span', {class: 'bar'}, bar), element('span', {}, number(c.size, 2) + (c.is_seen ? '' : ', not seen')));
   });
   return element('section', {class: 'causes', id: 'causes', 'aria-labelledby': 'causes-title'}, element('h2', {id: 'causes-title'}, 'Why is it not the same at every bounce?'),
-                 causes.map(c => element('p', {}, c.sentence)), element('div', {class: 'bars'}, bars), element('p', {class: 'caption'}, 'How much each changes ε here.'));
+                 causes.map(c => element('p', {}, c.sentence)), bars.length ? [element('div', {class: 'bars'}, bars), element('p', {class: 'caption'}, 'How much each changes ε here.')] : []);
 }
 
 function pointsCaption() {

@@ -38,12 +38,12 @@ function samplesTrace() {
 /// Bounces beyond the range that is drawn, as arrows at its ends.
 function beyondTraces(range) {
   if (!range) return [];
-  const beyond = (far, y, symbol) => {
+  const beyond = (far, y, symbol, side) => {
     const k = samples.eps.map((_, i) => i).filter(i => far(samples.eps[i]));
-    return k.length ? [{x: k.map(i => samples.v_mps[i]), y: k.map(() => y), mode: 'markers', type: 'scatter', name: `${k.length} beyond`, cliponaxis: false,
+    return k.length ? [{x: k.map(i => samples.v_mps[i]), y: k.map(() => y), mode: 'markers', type: 'scatter', name: `${k.length} ${side}`, cliponaxis: false,
                         marker: {size: 10, color: blue, symbol}, text: k.map(i => samples.eps[i].toFixed(3)), hovertemplate: 'v = %{x:.4f} m/s<br>ε = %{text}<extra></extra>'}] : [];
   };
-  return [...beyond(eps => eps > range[1], range[1], 'triangle-up'), ...beyond(eps => eps < range[0], range[0], 'triangle-down')];
+  return [...beyond(eps => eps > range[1], range[1], 'triangle-up', 'above'), ...beyond(eps => eps < range[0], range[0], 'triangle-down', 'below')];
 }
 
 /// Figure 1 (top) of the paper: how often which eps was found at which speed, with the law.

@@ -37,6 +37,12 @@ function contents() {
 function figures() {
   if (data.sweep) sweepSection(data.sweep);
   if (data.paper && data.simulation) paperSection(data.paper, data.simulation);
+  const before = page.children.length;
+  figuresOfFit();
+  for (const node of [...page.children].slice(before)) node.classList.add('on-screen');
+}
+
+function figuresOfFit() {
   if (!fit) return;
   if ((fit.residuals || []).length > 1)
     drawResiduals(figure('residuals', 'Does the law hold at every speed?', 'Of the law with its few constants, not of the curve. Above: mean residual (ε less the law) in bins of speed over its standard error, the pull; pulls scatter about 0 by about 1 where the law holds. Below: mean distance from the law over the one that the fit expects, with its standard error.' + (withMemory ? ' Of the fit that takes impacts as independent.' : '')), fit.residuals);

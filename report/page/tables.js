@@ -82,19 +82,19 @@ function recordingsTable() {
 }
 
 function otherLaws() {
-  table('Which law?', ['law', 'ΔAIC'], ((fit && fit.laws) || []).map(c => [c.name, number(c.delta_aic, 4)]),
+  foldedTable('Which law?', ['law', 'ΔAIC'], ((fit && fit.laws) || []).map(c => [c.name, number(c.delta_aic, 4)]),
         'Same samples, same model of the scatter; differences to the best, smaller is better, 10 is decisive.');
 }
 
 function histogramTables() {
   const used = ((fit && fit.histograms) || []).filter(h => h.slope_rising && h.slope_ratio);
-  table('p(ε) at fixed speed', ['window', 'n', 'below / above', 'peak ε', 'rising slope', 'falling slope', 'falling / rising (95%)', 'p', 'p equal slopes'],
+  foldedTable('p(ε) at fixed speed', ['window', 'n', 'below / above', 'peak ε', 'rising slope', 'falling slope', 'falling / rising (95%)', 'p', 'p equal slopes'],
         used.map(h => [speed(h.v_mps), number(h.n), `${h.bins.underflow} / ${h.bins.overflow}`, estimated(h.peak_eps), estimated(h.slope_rising), estimated(h.slope_falling),
                        `${number(h.slope_ratio.value, 3)} (${interval(h.slope_ratio.ci95)})`, number(h.p_value, 3), number(h.p_equal_slopes, 3)]),
         'Two exponentials, unbinned, timing noise taken out, the law’s drift inside the window taken out; intervals by profile likelihood. Below / above: samples outside the bins of the picture.');
   const shape = (h, name) => (h.shapes || []).find(s => s.shape === name);
   const cell = s => s ? `${number(Math.round(10 * s.delta_aic) / 10, 6)} (p ${number(s.p_value, 2)})` : '–';
-  table('Which shape?', ['window', 'two exponentials', 'normal', 'Gumbel', 'Student t', 'in words'],
+  foldedTable('Which shape?', ['window', 'two exponentials', 'normal', 'Gumbel', 'Student t', 'in words'],
         used.filter(h => (h.shapes || []).length).map(h => [speed(h.v_mps), ...['two_exponentials', 'normal', 'gumbel', 'student_t'].map(name => cell(shape(h, name))), element('span', {class: 'words'}, h.verdict)]),
         'ΔAIC against the two exponentials on the same bins, each shape blurred by the timing errors: positive speaks for the two exponentials. p: of χ².');
 }
@@ -103,7 +103,7 @@ function timingTable() {
   const t = fit && fit.budget && fit.budget.timing;
   if (!t) return;
   const us = x => known(x) ? `${number(1e6 * x, 3)} µs` : '–';
-  table('Timing noise that the samples themselves show', ['quantity', 'value'],
+  foldedTable('Timing noise that the samples themselves show', ['quantity', 'value'],
         [['correlation of neighbours (0: ball alone, −2/3: timing alone)', measured(t.lag1_correlation, t.lag1_correlation_se)],
          ['timing noise from it', t.sigma_s === null ? `none seen; below ${us(t.upper95_s)} (95%)` : `${us(t.sigma_s)}; below ${us(t.upper95_s)} (95%)`],
          ['timing noise stated by the detector (median)', us(t.stated_s)], ['pairs of neighbours', number(t.n_pairs)]]);
@@ -115,7 +115,7 @@ function budgetTable() {
   const percent = x => known(x) ? `${(100 * x).toFixed(100 * x < 1 && x > 0 ? 3 : 1)}%` : '–', tiny = x => known(x) ? (x === 0 ? '0' : x.toExponential(1)) : '–';
   const there = ([key]) => b.rows.some(r => known(r[key]) && r[key] !== 0);
   const parts = causes.filter(there), moved = [...shifts, ['mean_minus_peak', 'mean − peak']].filter(there);
-  table('Error budget', ['v (m/s)', 'n', 'sd of ε', ...parts.map(([, name]) => name), ...moved.map(([, name]) => name)],
+  foldedTable('Error budget', ['v (m/s)', 'n', 'sd of ε', ...parts.map(([, name]) => name), ...moved.map(([, name]) => name)],
         b.rows.map(r => [number(r.v_mps, 3), number(r.n), tiny(r.spread), ...parts.map(([key]) => percent(r[key])), ...moved.map(([key]) => tiny(r[key]))]),
         'Shares of the variance of ε, then shifts of ε(v), those of drag and contact time taken out. Mean − peak: what a fit of the mean is off by; the law follows the peak.');
 }
@@ -124,27 +124,24 @@ function budgetTable() {
 function handOff() {
   const h = fit && fit.hand_off;
   if (!h) return;
-  add('h2', {id: 'dem'}, 'In a DEM code');
-  add('p', {class: 'caption'}, `Root mean square √⟨ε²⟩ = ${measured(h.eps, h.se)} at ${speed(h.v_mps)}, which keeps the energy. Mind: ${h.warning}. Each input is one impact of ${h.ball}, complete; \`bouncelab dem fit.json --code lammps\` prints it.`);
+  const fold = folded('In a DEM code', {id: 'dem'});
+  fold.append(element('p', {class: 'caption'}, `Root mean square √⟨ε²⟩ = ${measured(h.eps, h.se)} at ${speed(h.v_mps)}, which keeps the energy. Mind: ${h.warning}. Each input is one impact of ${h.ball}, complete; \`bouncelab dem fit.json --code lammps\` prints it.`));
   const rows = ['v_mps,eps,lo95,hi95', ...answerCurve(fit).map(p => [p.v_mps, p.eps, p.lo95, p.hi95].map(x => x === null ? '' : x).join(','))];
-  add('p', {}, element('a', {href: 'data:text/csv;charset=utf-8,' + encodeURIComponent(rows.join('\n') + '\n'), download: 'restitution_law.csv'}, 'ε(v) with its 95% band as a table (CSV)'),
-      '; constants with their covariance: fit.json.');
-  for (const s of data.dem || []) {
-    add('h3', {}, `${s.program}, ${s.model}`);
-    add('p', {class: 'caption'}, `fills ${s.parameter}`);
-    add('pre', {tabindex: '0', role: 'region', 'aria-label': `Input for ${s.program}, ${s.model}`}, s.text);
-  }
+  fold.append(element('p', {}, element('a', {href: 'data:text/csv;charset=utf-8,' + encodeURIComponent(rows.join('\n') + '\n'), download: 'restitution_law.csv'}, 'ε(v) with its 95% band as a table (CSV)'),
+      '; constants with their covariance: fit.json.'),
+              ...(data.dem || []).flatMap(s => [element('h3', {}, `${s.program}, ${s.model}`), element('p', {class: 'caption'}, `fills ${s.parameter}`),
+                                                element('pre', {tabindex: '0', role: 'region', 'aria-label': `Input for ${s.program}, ${s.model}`}, s.text)]));
 }
 
 function doubtfulDrops() {
   const rows = ((summary && summary.recordings) || []).flatMap(r => (r.drops || []).filter(d => d.doubtful).map(
       d => [shownName(r.recording), number(d.begin_s, 4), number(d.n_impacts), `${number(d.odds, 2)} to 1`]));
   const most = 30;
-  table('Doubtful drops', ['recording', 'begins at, s', 'impacts', 'odds for a ball'], rows.slice(0, most),
+  foldedTable('Doubtful drops', ['recording', 'begins at, s', 'impacts', 'odds for a ball'], rows.slice(0, most),
         'They are in the fit. Listen to them; what is no ball can be taken out of onsets.csv.' + (rows.length > most ? ` The first ${most} of ${rows.length}; all are in summary.json.` : ''));
 }
 
 function work() {
   if (summary && summary.seconds)
-    table('Where the time went', ['stage', 'seconds'], Object.entries(summary.seconds).map(([stage, s]) => [stage.replace(/_/g, ' '), s.toFixed(2)]));
+    foldedTable('Where the time went', ['stage', 'seconds'], Object.entries(summary.seconds).map(([stage, s]) => [stage.replace(/_/g, ' '), s.toFixed(2)]));
 }

@@ -58,7 +58,7 @@ function interval(range) {
 const answerCurve = fit => !fit || fit.is_one_ball === false ? [] : fit.curve?.points ?? [];
 const speed = v => `${number(v, 3)} m/s`;
 
-/// Below 600 px report.css shows a table that is wider than its place row by row: each cell names its column and is as
+/// On a screen report.css shows a table that is wider than its place row by row: each cell names its column and is as
 /// wide as the column was, which is the longest value or word of the head. The roles are those that elements of a table
 /// lose where they are not displayed as one.
 const roles = {table: 'table', 'thead, tbody': 'rowgroup', tr: 'row', 'thead th': 'columnheader', 'tbody th': 'rowheader', td: 'cell'};
@@ -99,10 +99,21 @@ const rowOf = cells => element('tr', {}, cells.map((cell, k) => k === 0 && cell 
 let lastTitle = '';
 function table(title, head, rows, caption, parent = page) {
   if (!rows.length) return;
+  const says = head.map((_, k) => k === 0 || rows.some(row => row[k] !== '–')), only = cells => cells.filter((_, k) => says[k]);
   if (title) parent.append(element('h2', {}, title));
   if (caption) parent.append(element('p', {class: 'caption'}, caption));
   if (title) lastTitle = title;
   const place = scrollPlace(title || `${lastTitle}, table ${++unnamedRegions}`);
-  place.append(element('table', {}, element('thead', {}, element('tr', {}, head.map(headCell))), element('tbody', {}, rows.map(rowOf))));
+  place.append(element('table', {}, element('thead', {}, element('tr', {}, only(head).map(headCell))), element('tbody', {}, rows.map(cells => rowOf(only(cells))))));
   parent.append(place);
+}
+/// What few look for: folded, and left out of what is printed.
+function folded(title, attributes) {
+  const fold = element('details', {class: 'folded'}, element('summary', {}, element('h2', attributes, title)));
+  page.append(fold);
+  lastTitle = title;
+  return fold;
+}
+function foldedTable(title, head, rows, caption) {
+  if (rows.length) table('', head, rows, caption, folded(title));
 }

@@ -29,23 +29,30 @@ Cause of_speed(const FitResult& result, const PlainAnswer& answer) {
     return cause;
   }
   const CurvePoint &slow = points.front(), &fast = points.back();
-  cause.size = std::abs(fast.y - slow.y);
-  const std::string between = " between " + speed(slow.x) + " and " + speed(fast.x);
+  double from_mps = slow.x, to_mps = fast.x, change = fast.y - slow.y;
+  const auto& elsewhere = answer.elsewhere;
+  if (elsewhere.size() == 1) {  // what the other end does is not seen
+    const SpeedAndRestitution &at = *answer.at, &other = elsewhere[0];
+    const bool is_faster = other.v_mps > at.v_mps;
+    from_mps = is_faster ? at.v_mps : other.v_mps;
+    to_mps = is_faster ? other.v_mps : at.v_mps;
+    change = (is_faster ? 1.0 : -1.0) * (other.eps.value - at.eps.value);
+  }
+  cause.size = std::abs(change);
+  const std::string between = " between " + speed(from_mps) + " and " + speed(to_mps);
+  const double at_fast = fast.y - answer.at->eps.value, at_slow = slow.y - answer.at->eps.value;
   if (!cause.is_seen)
     cause.sentence = "No effect of the speed is seen" + between + ".";
   else if (step)
     cause.sentence = "the surface that the ball meets: ε steps by " + size_text(std::abs(step->change.value)) + " at " +
                      speed(step->v_mps) + ", and goes from " + size_text(slow.y) + " to " + size_text(fast.y) +
                      between + ".";
-  else if (answer.elsewhere.size() == 2 && (answer.elsewhere[0].eps.value - answer.at->eps.value) *
-                                                   (answer.elsewhere[1].eps.value - answer.at->eps.value) >
-                                               0.0) {
-    const double middle = answer.at->eps.value, at_fast = fast.y - middle, at_slow = slow.y - middle;
+  else if (elsewhere.size() == 2 && at_fast * at_slow > 0.0) {
     cause.size = std::max(std::abs(at_fast), std::abs(at_slow));
     cause.sentence = "the speed: from its value at " + speed(answer.at->v_mps) +
                      (at_fast < 0.0 ? " ε falls by " : " ε rises by ") + size_text(std::abs(at_slow)) + " towards " +
                      speed(slow.x) + " and by " + size_text(std::abs(at_fast)) + " towards " + speed(fast.x) + ".";
-  } else if (fast.y < slow.y)
+  } else if (change < 0.0)
     cause.sentence = "the speed: a faster ball is pressed in more and loses more, ε falls by " +
                      size_text(*cause.size) + between + ".";
   else
