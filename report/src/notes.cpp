@@ -37,9 +37,8 @@ constexpr Wording kWordings[]{
      "{0} of {1} samples have ε below 0 or above 1; check the order of the times, the columns and their units"},
     {Kind::odd_speeds, warning,
      "{0} of {1} speeds are not between 0.005 and 20 m/s; check that the {s}, and gravity in m/s^2"},
-    {Kind::of_file, warning, "{s}"},
     {Kind::contradicted_height, warning,
-     "--drop-height {0:.4g} m does not fit {1} of {2} drops, whose flights suggest {3:.2g} m; check the "
+     "--drop-height {0:.4g} m does not fit {1} of {2} {2|drop|drops}, whose flights suggest {3:.2g} m; check the "
      "height. Their first impact is left out"},
     {Kind::recording_left_out, warning, "{s}; left out"},
     {Kind::recordings_differ, warning,
@@ -98,6 +97,7 @@ constexpr Wording kWordings[]{
     {Kind::lossy_coding, warning,
      "lossy coding ({s}): times may be off by more than their stated errors; record as WAV or FLAC"},
     {Kind::clipped, warning, "{0} of {1} impacts are clipped: record with less gain"},
+    {Kind::of_file, warning, "{s}"},
     {Kind::beyond_speeds, warning, "ε at {0:.3g} m/s is extrapolated: the measured speeds are {1:.3g} to {2:.3g} m/s"},
     {Kind::track_taken, warning, "audio track {0} of {1} (counted from 0) is used; --track takes another"},
     {Kind::low_band, detail,

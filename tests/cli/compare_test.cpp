@@ -149,7 +149,7 @@ TEST_F(CompareCommand, BadInputGetsOneLine) {
     expect_one_line_error(run("compare fit.json s.csv --out o"), 3, {"fit.json", "is a result", "give the samples"});
   }
   write("few.csv", "recording,v_mps,eps\na,0.5,0.97\nb,0.5,0.98\n");
-  expect_one_line_error(run("compare few.csv --out few --quiet"), 1, {"a has 1 usable samples", "at least 3"});
+  expect_one_line_error(run("compare few.csv --out few --quiet"), 1, {"a has 1 usable sample:", "at least 3"});
   write("mixed.csv", "recording,v_mps,eps\na,0.5,0.97\nb,0.5,0.98\na,0.5,0.97\n");
   expect_one_line_error(run("compare mixed.csv --out o"), 3, {"mixed.csv", "'a'", "sort"});
   write("dates.csv", "recording,date\n" + name_of(0) + ",2026-02-30\n");

@@ -42,7 +42,7 @@ TEST_F(FitCommand, OfTwoSamplesCannotTellAChangeAndOfOneSpeedGivesOneValue) {
   Result result = fit(table(2, 0.2, 1.4));
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_THAT(result.out, testing::StartsWith("ε = 0.9"));
-  EXPECT_THAT(result.out, testing::HasSubstr("whether it changes from "));
+  EXPECT_THAT(result.out, testing::HasSubstr("whether ε changes between "));
   EXPECT_EQ(found()["constants"]["status"], "too_few_samples");
   result = fit(table(500, 0.5, 0.5));
   EXPECT_EQ(result.exit_code, 0) << result.err;
@@ -74,7 +74,7 @@ TEST_F(FitCommand, WhatIsOddInTheSamplesIsSaid) {
   EXPECT_GT(found()["curve"]["nodes"][0]["eps"].number(), 1.05);
   const Result below = fit(table(2000, 200.0, 1400.0, -5.0));
   EXPECT_THAT(below.err, testing::HasSubstr("2000 of 2000 samples have ε below 0 or above 1"));
-  EXPECT_THAT(below.err, testing::HasSubstr("outside 0.005 to 20 m/s"));
+  EXPECT_THAT(below.err, testing::HasSubstr("not between 0.005 and 20 m/s"));
 }
 
 TEST_F(FitCommand, WhatIsAskedForIsInTheResult) {

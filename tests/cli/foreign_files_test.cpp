@@ -52,7 +52,7 @@ TEST_F(ForeignFiles, OfTimesGiveTheAnswerAsARecordingDoes) {
   const Json answer = Json(result.out)["answer"];
   EXPECT_NEAR(answer["at"]["eps"].number(), kEps, 4e-6);  // six digits of the times: 1e-6 of eps
   EXPECT_THAT(answer["sentences"][0].text(), HasSubstr("ε = 0.8"));
-  EXPECT_THAT(answer["sentences"][0].text(), HasSubstr(", of this drop; no change with the speed is seen from "));
+  EXPECT_THAT(answer["sentences"][0].text(), HasSubstr(", of this drop; no change with the speed is seen between "));
   EXPECT_EQ(answer["seen"]["n_impacts"], 12);
   const fs::path folder = folder_ / "t/times-bouncelab";
   for (const char* name : {"onsets.csv", "samples.csv", "fit.json", "summary.json", "report.html"})

@@ -31,7 +31,6 @@ enum class NoteKind {
   // the input is not what it is taken for
   eps_impossible,       ///< samples, of samples
   odd_speeds,           ///< samples, of samples; what to look at
-  of_file,              ///< ; what a reader says of its file
   contradicted_height,  ///< stated [m], drops, of drops, suggested [m]
   // the input is not of one ball
   recording_left_out,  ///< ; why
@@ -63,6 +62,7 @@ enum class NoteKind {
   // how it was recorded
   lossy_coding,    ///< ; the coding
   clipped,         ///< impacts, of impacts
+  of_file,         ///< ; what a reader says of its file
   beyond_speeds,   ///< speed, slowest, fastest [m/s]
   track_taken,     ///< track, of tracks
   low_band,        ///< highest frequency [Hz]
