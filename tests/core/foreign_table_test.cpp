@@ -150,6 +150,7 @@ constexpr const char* kRead = R"x(
 3: ours | Time (ms);t_s;height (m)\n9;0.4;1\n8;1;2\n7;1.51;3\n6;1.9435;4\n |  | 0.4 1 1.51 1.9435 | times in s (column 't_s'
 3: [ms] | t [ms]\n400\n1000\n1510\n |  | 0.4 1 1.51 | times in ms
 3: / ms | time / ms\n400\n1000\n1510\n |  | 0.4 1 1.51 | times in ms
+3: in ms | Zeit in ms\n400\n1000\n1510\n |  | 0.4 1 1.51 | times in ms
 3: _ms | time_ms\n400\n1000\n1510\n |  | 0.4 1 1.51 | times in ms
 3: us | Zeit (us)\n400000\n1000000\n1510000\n |  | 0.4 1 1.51 | times in us
 3: min | t (min)\n0.1\n0.11\n0.1185\n |  | 6 6.6 7.11 | times in min
@@ -215,8 +216,8 @@ constexpr const char* kAsked = R"x(
 3: drops told | A (s),B (s),n\n.4,.1,1\n1,.6,1\n1.51,1,2\n | --columns drop=n | 2 columns | --columns t=A (s),drop=n | .4 1, 1.51 | --columns t=B (s),drop=n | .1 .6, 1
 3: time and height | Time (s);y (m)\n0.4;1\n1;1\n1.51;1\n |  | another measured quantity | --columns t=Time (s) | 0.4 1 1.51 | --as heights --columns h=y (m) | -
 3: no unit | Time\n0.40\n1.00\n1.51\n |  | no title has a unit | --as times --unit s --columns t=Time | 0.4 1 1.51
-3: two without | t,e\n600,1\n510,2\n433.5,4\n |  | no title has a unit | --as intervals --unit ms --columns t=t | 0 0.6 1.11 1.5435
-3: coefficients | v,e\n1.2,.85\n1,.85\n.8,.86\n |  | no title has a unit | --as intervals --unit s --columns t=v | -
+3: two without | t,e\n600,1\n510,2\n433.5,4\n |  | no title has a unit | --as intervals --unit ms --columns t=t | 0 0.6 1.11 1.5435 | --as heights --unit mm --columns h=t | -
+3: coefficients | v,e\n1.2,.85\n1,.85\n.8,.86\n |  | no title has a unit | --as intervals --unit s --columns t=v | - | --as heights --unit m --columns h=v | -
 3: no whole unit | t (10^-3 s)\n0.40\n1.00\n1.51\n |  | no title has a unit | --as times --unit s --columns t=t (10^-3 s) | 0.4 1 1.51
 3: another quantity | v (m/s),x\n0.4,1\n1,3\n1.51,4\n |  | no column is a time: column 'v (m/s)'
 4: falling | 0.6\n0.51\n0.4335\n |  | do not rise | --as intervals --unit s | 0 0.6 1.11 1.5435 | --as heights --unit m | -
@@ -292,6 +293,7 @@ a cell below no title | Time (s),,\n0.4,,\n1,51,,\n |  | line 3 has 2 cells, and
 more cells than titles | n,Time (s)\n1,0,4\n2,1,0\n |  | line 2 has 3 cells, and the titles are 2
 no format | 1 0.4\n2 1.0\n3\n |  | line 1: 1 0.4: not every line has the same number of cells
 units beside numbers | 0.4 s, 1, 1.51\n | --as times | line 1: '0.4 s': write the numbers alone
+a number with a unit for a title | 1 m\n.81\n.66\n | --as heights --unit m | line 1: '1 m': write the numbers alone
 units below each other | 1 m\n.81 m\n | --as heights --unit m | line 2: '.81 m': write the numbers alone
 one height | 1\n | --as heights --unit m | one height; two are needed
 numbers for titles | drop;1;2\n0.4;0.5;0.6\n |  | not every line has the same number of cells, all of them numbers

@@ -76,7 +76,13 @@ Sequence glance_at(const ForeignTable& table, const Selection& selection) {
   return sequence;
 }
 
-/// What a column without a unit would be: times or intervals of a ball in s, ms or us.
+bool falls(const Sequence& sequence) {
+  for (std::size_t k = 1; k < sequence.values.size(); ++k)
+    if (sequence.values[k].number.value >= sequence.values[k - 1].number.value) return false;
+  return true;
+}
+
+/// What a column without a unit would be: times of a ball; or where they do not rise intervals, or heights.
 std::vector<Reading> likely_readings(const ForeignTable& table, const ForeignOptions& options, std::size_t column) {
   const Selection selection{{column}, Dimension::time, false};
   const Sequence sequence = glance_at(table, selection);
@@ -85,11 +91,18 @@ std::vector<Reading> likely_readings(const ForeignTable& table, const ForeignOpt
   const bool times = rises(sequence);
   for (std::size_t k = 1; k < sequence.values.size(); ++k)
     if (times && sequence.values[k].number.value == sequence.values[k - 1].number.value) return {};
-  std::vector<Reading> readings =
-      readings_of(sequence, {times ? "times" : "intervals"}, false, options, with_drops(table, options, selection));
-  readings.resize(std::min<std::size_t>(1, readings.size()));
-  for (Reading& reading : readings) reading.meaning += " by " + column_name(table, column);
-  return readings;
+  std::vector<Reading> likely;
+  for (const char* as : times ? std::vector{"times"} : std::vector{"intervals", "heights"}) {
+    const bool heights = *as == 'h';
+    if (heights && !falls(sequence)) continue;
+    const std::vector<Reading> readings =
+        readings_of(sequence, {as}, false, options,
+                    heights ? column_option(table, "h", column) : with_drops(table, options, selection));
+    if (readings.empty()) continue;
+    likely.push_back(readings.front());
+    likely.back().meaning += " by " + column_name(table, column);
+  }
+  return likely;
 }
 
 /// What the columns of a table may be, and what options leave of it.
@@ -228,9 +241,8 @@ Selection selection_of(const ForeignTable& table, const ForeignOptions& options,
                " is another quantity; bouncelab fit takes speeds and coefficients";
   } else {
     question = table.titles.empty() ? "which column is of times or intervals?"
-                                    : "no title has a unit of time, such as Time (s), t (ms); numbers of frames or "
-                                      "samples are to be divided by "
-                                      "their rate first";
+                                    : "no title has a unit, such as Time (s), t (ms) or h (m); numbers of frames or "
+                                      "samples are to be divided by their rate first";
     for (std::size_t k = 0; k < table.n_columns(); ++k)
       if (has_unit(table.rows.front().cells[k])) number_in(table, table.rows.front(), k, name);
     readings = columns.likely;

@@ -168,6 +168,8 @@ ForeignTable read_foreign_table(std::string_view text, const std::string& name, 
   } else {
     table.format = format_below(lines[n_above - 1].text, rows);
     table.titles = cells_in(lines[n_above - 1].text);
+    if (std::all_of(table.titles.begin(), table.titles.end(), [](const std::string& cell) { return has_unit(cell); }))
+      refuse_cells(std::span(lines).subspan(n_above - 1), name, "");  // the first number, "1 m", is no title
     // what stands below no title may be the digits behind a comma: "1,51" under "Time (s),,"
     while (table.titles.size() > 1 && table.titles.back().empty()) table.titles.pop_back();
   }

@@ -175,6 +175,9 @@ std::optional<TitleUnit> unit_of_title(std::string_view title) {
     if (open == std::string_view::npos) return std::nullopt;
     return made(unit_named(trimmed(title.substr(open + 1, title.size() - open - 2), kBlanks)), title.substr(0, open));
   }
+  constexpr std::string_view kIn = " in ";  // "Zeit in s"
+  if (const std::size_t in = title.rfind(kIn); in != std::string_view::npos)
+    return made(unit_named(trimmed(title.substr(in + kIn.size()), kBlanks)), title.substr(0, in));
   // "t / s" and "time_ms", but not "counts / s" and "mass_s": a word that is no quantity of that dimension makes
   // another unit; "v_in" and "t_min" are no inches and no minutes
   constexpr std::array<std::string_view, 16> kQuantities{

@@ -82,7 +82,7 @@ describe('the page', {skip: missing ?? false}, () => {
   test('a table that does not prove what it holds is asked about, and a button is the answer', async () => {
     const ms = truth.map(({t_s}) => (1e3 * t_s).toFixed(4));
     assert.deepEqual(await asked('asked.csv', `Nr,Zeit\n${ms.map((t, k) => `${k},${t}`).join('\n')}\n`), ["times in ms by column 'Zeit'"]);
-    assert.equal(await statusOf(page), 'asked.csv: no title has a unit of time, such as Time (s), t (ms); numbers of frames or samples are to be divided by their rate first.');
+    assert.equal(await statusOf(page), 'asked.csv: no title has a unit, such as Time (s), t (ms) or h (m); numbers of frames or samples are to be divided by their rate first.');
     assert.deepEqual(await page.$$eval('#question tbody tr', rows => rows.map(row => [...row.cells].map(cell => cell.textContent))),
                      [['Nr', '0  1  2 …'], ['Zeit', `${ms.slice(0, 3).join('  ')} …`]]);
     assert.ok(await page.$eval('#result', node => node.hidden), 'no answer of the sound before');
