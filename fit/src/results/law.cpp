@@ -270,12 +270,10 @@ namespace {
 
 /// How well the density that the fit assumes describes the scatter.
 Object goodness_of(const FitResult& result) {
-  constexpr std::size_t kFewestDegrees = 5;  // of fewer chi^2 says nothing
   const LawFit& law = result.law;
-  const bool is_known = law.ndf && *law.ndf >= kFewestDegrees;
-  return {{"chi2", value_of(is_known ? law.chi2 : std::nullopt)},
-          {"ndf", value_of(is_known ? law.ndf : std::nullopt)},
-          {"p_value", value_of(is_known ? law.p_value : std::nullopt)},
+  return {{"chi2", value_of(law.chi2)},
+          {"ndf", value_of(law.ndf)},
+          {"p_value", value_of(law.p_value)},
           {"anderson_darling", value_of(law.anderson_darling)}};
 }
 
