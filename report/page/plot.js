@@ -56,7 +56,7 @@ function drawAll(dark) {
   for (const plot of plots) {
     describePlot(plot);
     const width = document.body.classList.contains('printing') ? {width: plot.node.clientWidth} : {};
-    Plotly.react(plot.node, coloured(plot.data), {...coloured(plot.layout), ...width}, {
+    Plotly.newPlot(plot.node, coloured(plot.data), {...coloured(plot.layout), ...width}, {
       responsive: true, displaylogo: false, displayModeBar: narrow || noHover || plot.kind.includes('small') ? false : 'hover',  // on a phone it would lie on the legend
       toImageButtonOptions: {format: 'svg', filename: 'bouncelab'}, modeBarButtonsToRemove: ['select2d', 'lasso2d', 'autoScale2d'],
     });
