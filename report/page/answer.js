@@ -76,9 +76,8 @@ function causesBox(causes) {
 function pointsCaption() {
   const withError = `with the error that ${sourceOfErrors(fit.answer)} alone gives them`;
   if (samples.measured === 'speeds') return `Points: bounces, ${withError}.`;
-  const [flights, taken, all] = samples.measured === 'heights' ? ['heights', 'the air', 'is'] : ['intervals', 'air and contact', 'are'];
-  return samples.of_intervals ? `Points: bounces, as their ${flights} have them, ${withError}; in line and band ${taken} ${all} taken out, as far as known of a ball without a name.`
-                              : `Points: bounces, without what ${taken} did to their ${flights}, ${withError}.`;
+  const [flights, taken] = samples.measured === 'heights' ? ['heights', 'the air'] : ['intervals', 'air and contact'];
+  return `Points: bounces, without what ${taken} did to their ${flights}, ${withError}.`;
 }
 
 function lawCaption() {

@@ -37,8 +37,13 @@ function contents() {
 function figures() {
   if (data.sweep) sweepSection(data.sweep);
   if (data.paper && data.simulation) paperSection(data.paper, data.simulation);
+  onScreen(figuresOfFit);
+}
+
+/// What is not printed with the page.
+function onScreen(show) {
   const before = page.children.length;
-  figuresOfFit();
+  show();
   for (const node of [...page.children].slice(before)) node.classList.add('on-screen');
 }
 
@@ -67,7 +72,7 @@ function figuresOfFit() {
     drawEnergy(figure('energy', 'Scatter against speed', 'Standard deviation of ε − ε(v), all of it and by cause. An energy given at random to rotation makes it go as 1/v.'), budget);
     // two exponentials have a kurtosis of 6: the variance of n samples is known to sqrt(5/n)
     const randomShare = Math.max(...budget.rows.filter(r => r.n > 1).map(r => Math.sqrt(5 / r.n)));
-    drawBudget(figure('budget', 'What limits the result', `Above: where the variance of ε comes from; ${number(100 * randomShare, 1)}% not explained may be random error. Below: what drag and contact time would shift the curve by; they are taken out.`), budget);
+    drawBudget(figure('budget', 'What limits the result', `Where the variance of ε comes from; ${number(100 * randomShare, 1)}% not explained may be random error.${shiftsOf(budget).length ? ' Below: what drag and contact time would shift the curve by; they are taken out.' : ''}`), budget);
   }
   cornerOfConstants();
   if (wave && (wave.excerpts || []).length) excerptsSection();
@@ -97,7 +102,7 @@ counts();
 questions();
 notes();
 details();
-ballSection(summary && summary.ball);
+onScreen(() => ballSection(summary && summary.ball));
 figures();
 tables();
 contents();

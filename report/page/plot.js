@@ -55,7 +55,8 @@ function drawAll(dark) {
   const coloured = dark ? darkened : x => structuredClone(x);  // Plotly writes into what it is given
   for (const plot of plots) {
     describePlot(plot);
-    Plotly.react(plot.node, coloured(plot.data), coloured(plot.layout), {
+    const width = document.body.classList.contains('printing') ? {width: plot.node.clientWidth} : {};
+    Plotly.newPlot(plot.node, coloured(plot.data), {...coloured(plot.layout), ...width}, {
       responsive: true, displaylogo: false, displayModeBar: narrow || noHover || plot.kind.includes('small') ? false : 'hover',  // on a phone it would lie on the legend
       toImageButtonOptions: {format: 'svg', filename: 'bouncelab'}, modeBarButtonsToRemove: ['select2d', 'lasso2d', 'autoScale2d'],
     });
@@ -138,8 +139,14 @@ function printOnly(name) {
 function finishPlots() {
   drawAll(darkPage.matches);
   darkPage.addEventListener('change', () => drawAll(darkPage.matches));
-  window.addEventListener('beforeprint', () => { if (darkPage.matches) drawAll(false); });
-  window.addEventListener('afterprint', () => { if (darkPage.matches) drawAll(true); });
+  window.addEventListener('beforeprint', () => {
+    if (!document.body.classList.contains('only')) document.body.classList.add('printing');
+    drawAll(false);
+  });
+  window.addEventListener('afterprint', () => {
+    document.body.classList.remove('printing');
+    drawAll(darkPage.matches);
+  });
   const asked = /^#only=([\w-]+)$/.exec(location.hash);
   if (asked) showOnly(asked[1]);
   if (location.hash === '#figures') listFigures();

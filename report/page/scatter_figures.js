@@ -85,6 +85,7 @@ function drawEnergy(parent, budget) {
 
 const causes = [['share_asperities', 'ball (asperities)', blue], ['share_timing', 'timing', orange], ['share_travel_time', 'travel time', green], ['share_unexplained', 'not explained', grey]];
 const shifts = [['shift_drag', 'air drag', blue], ['shift_contact_time', 'contact time', orange]];
+const shiftsOf = budget => shifts.filter(([key]) => budget.rows.some(r => known(r[key]) && r[key] !== 0));
 
 /// Where the variance of eps comes from, and what shifts eps(v), by speed.
 function drawBudget(parent, budget) {
@@ -92,8 +93,8 @@ function drawBudget(parent, budget) {
   draw(parent, 'low', causes.filter(([key]) => rows.some(r => known(r[key]) && r[key] > 0)).map(([key, name, color]) => (
          {type: 'bar', x: names, y: rows.map(r => 100 * (r[key] || 0)), name, marker: {color}, hovertemplate: `%{x} m/s<br>${name} %{y:.2f}%<extra></extra>`})),
        {barmode: 'stack', showlegend: true, xaxis: axis('normal impact speed v (m/s)', {type: 'category'}), yaxis: axis('share of variance (%)')});
-  const traces = shifts.filter(([key]) => rows.some(r => known(r[key]) && r[key] !== 0)).map(([key, name, color]) => (
+  const traces = shiftsOf(budget).map(([key, name, color]) => (
       {x: rows.map(r => r.v_mps), y: rows.map(r => known(r[key]) && r[key] !== 0 ? Math.abs(r[key]) : null), mode: 'lines+markers', type: 'scatter', name, line: {color, width: 1.5},
        marker: {size: 6}, text: rows.map(r => number(r[key], 3)), hovertemplate: `%{x:.3f} m/s<br>${name} %{text}<extra></extra>`}));
-  draw(parent, 'low', traces, {showlegend: true, xaxis: speedAxis(), yaxis: logAxis('shift of ε(v)', decadesIfMany(traces))});
+  if (traces.length) draw(parent, 'low', traces, {showlegend: true, xaxis: speedAxis(), yaxis: logAxis('shift of ε(v)', decadesIfMany(traces))});
 }

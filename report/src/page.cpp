@@ -70,7 +70,6 @@ std::string samples_json(RestitutionSamples samples, const std::string& fit_json
   const double errors = number("errors_over_digits").value_or(1.0);
   if (fit.is_object() && fit.contains("curve") && !fit["curve"].is_null())
     samples = fit::at_the_plate(std::move(samples), found("kappa_per_m"), found("contact_s"));
-  const bool of_intervals = !samples.empty() && !samples.front().conditions.ball && found("kappa_per_m");
   Values v_mps, eps, sigma_eps;
   for (const RestitutionSample& sample : samples) {
     v_mps.emplace_back(sample.v_mps);
@@ -80,7 +79,6 @@ std::string samples_json(RestitutionSamples samples, const std::string& fit_json
   return json_text(Object{{"v_mps", v_mps},
                           {"eps", eps},
                           {"sigma_eps", sigma_eps},
-                          {"of_intervals", of_intervals},
                           {"measured", samples.empty() ? "" : measured_in_words(samples.front().conditions)}});
 }
 

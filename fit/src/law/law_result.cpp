@@ -109,7 +109,9 @@ void describe_goodness(LawFit& fit, const LawLikelihood& likelihood, const Maxim
   fit.loglik = maximum.loglik;
   fit.aic = 2.0 * n_parameters - 2.0 * maximum.loglik;
   fit.bic = n_parameters * log(n) - 2.0 * maximum.loglik;
-  if (const auto chi2 = pearson_chi2(likelihood.probabilities_below(maximum.x), fit.n_parameters)) {
+  constexpr std::size_t kFewestDegrees = 5;  // of fewer chi^2 says nothing
+  if (const auto chi2 = pearson_chi2(likelihood.probabilities_below(maximum.x), fit.n_parameters);
+      chi2 && chi2->ndf >= kFewestDegrees) {
     fit.chi2 = chi2->chi2;
     fit.ndf = chi2->ndf;
     fit.p_value = chi2->p_value;

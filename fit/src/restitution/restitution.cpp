@@ -304,6 +304,11 @@ RestitutionSamples at_the_plate(RestitutionSamples samples) {
 RestitutionSamples at_the_plate(RestitutionSamples samples, std::optional<double> kappa_per_m,
                                 std::optional<double> contact_s) {
   AirAndContact known = air_and_contact_of(samples);
+  if (!known.ball) {  // all that is known is what the fit found
+    known.kappa_per_m = kappa_per_m.value_or(0.0);
+    known.contact = {.at_1_mps_s = contact_s.value_or(0.0)};
+    known.has_drag = known.has_contact = true;
+  }
   known.has_drag = known.has_drag && kappa_per_m;
   known.has_contact = known.has_contact && contact_s;
   const Deviation found{known.has_drag ? log(*kappa_per_m / kappa_at_1_mps(known)) : 0.0,

@@ -23,6 +23,9 @@ function middle(values, share) {
   return [sorted[cut], sorted[sorted.length - 1 - cut]];
 }
 
+/// From 0, unless all speeds are much alike.
+const speedRange = speeds => { const [lo, hi] = paddedRange(speeds); return lo > 0.5 * hi ? [lo, hi] : [0, hi]; };
+
 /// @param truth  {v, eps} of what was simulated, or null
 export function drawLaw(result, truth) {
   const {samples} = result, curve = answerCurve(result.fitted), used = (samples.v_mps ?? []).map((_, k) => k).filter(k => !samples.flags?.[k] && Number.isFinite(samples.eps[k]));
@@ -36,11 +39,11 @@ export function drawLaw(result, truth) {
   if (curve.length) layers.push({kind: 'curve', x: curve.map(p => p.v_mps), y: curve.map(p => p.eps)});
   if (truth) layers.push({kind: 'truth', x: truth.v, y: truth.eps});
   $('law-caption').textContent = (v.length ? `Points: bounces, with the error that ${sourceOfErrors(result.answer)} alone gives them. ` : 'No bounce has an interval on either side. ') +
-      (curve.length ? `Line${hasBand ? ' and band' : ''}: ε(v), the root mean square of the bounces at each speed${hasBand ? ', with its 95 % range' : ''}. ` : '') + (truth ? 'Dashes: the ε(v) that was simulated. ' : '') +
+      (curve.length ? `Line${hasBand ? ' and band' : ''}: ε(v), the root mean square of the bounces at each speed${hasBand ? ', with its 95 % range' : ''}${result.fitted.curve.hasDrag ? ', without what the air did, which the points have' : ''}. ` : '') + (truth ? 'Dashes: the ε(v) that was simulated. ' : '') +
       (outside ? `${outside} ${outside === 1 ? 'bounce lies' : 'bounces lie'} outside the picture.` : '');
   if (!v.length && !curve.length) return $('law-plot').replaceChildren();
   drawPicture($('law-plot'), {height: 320, label: `Plot: coefficient of restitution against impact speed, ${v.length} bounces`,
-                              x: {title: 'normal impact speed v (m/s)', range: [0, paddedRange([...v, ...curve.map(p => p.v_mps)])[1]]}, y: {title: 'coefficient of restitution ε', range: y}, layers});
+                              x: {title: 'normal impact speed v (m/s)', range: speedRange([...v, ...curve.map(p => p.v_mps)])}, y: {title: 'coefficient of restitution ε', range: y}, layers});
 }
 
 /// p(ε) at a speed on a logarithmic axis.
