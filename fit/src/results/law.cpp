@@ -274,18 +274,11 @@ namespace {
 /// How well the density that the fit assumes describes the scatter.
 Object goodness_of(const FitResult& result) {
   const LawFit& law = result.law;
-<<<<<<< HEAD
   Object goodness;
-  if (law.ndf && *law.ndf >= kFewestDegrees)
+  if (law.chi2)
     goodness = {{"chi2", value_of(law.chi2)}, {"ndf", value_of(law.ndf)}, {"p_value", value_of(law.p_value)}};
   if (law.anderson_darling) goodness.emplace_back("anderson_darling", value_of(*law.anderson_darling));
   return goodness;
-=======
-  return {{"chi2", value_of(law.chi2)},
-          {"ndf", value_of(law.ndf)},
-          {"p_value", value_of(law.p_value)},
-          {"anderson_darling", value_of(law.anderson_darling)}};
->>>>>>> s77b-c
 }
 
 /// One bin alone has nothing to be compared with.
