@@ -14,6 +14,7 @@
 #include "bouncelab/fit/restitution.hpp"
 #include "dropped.hpp"
 #include "synthetic_samples.hpp"
+#include "words.hpp"
 
 namespace bouncelab::report {
 namespace {
@@ -176,6 +177,25 @@ TEST(Causes, AreMostlyTheSpeedWhereTheLawFallsByMoreThanTheBouncesScatter) {
   };
   // three drops: either end to some 2e-4
   EXPECT_NEAR(words.causes[0].size.value_or(0.0), rms(slowest->v_mps) - rms(fastest->v_mps), 8e-4);
+}
+
+TEST(Causes, SayOfTheSpeedWhatTheHeadlineSaysWhereOneEndAloneIsSeenToDiffer) {
+  FitResult result;
+  result.curve.emplace();
+  const auto of = [](double v_mps, double eps) {
+    SpeedAndRestitution at;
+    at.v_mps = v_mps, at.eps.value = eps;
+    return at;
+  };
+  for (const auto& [v_mps, eps] : {std::pair{0.1, 0.93}, {0.5, 0.91}, {3.0, 0.92}}) {
+    result.curve->points.emplace_back();
+    result.curve->points.back().x = v_mps, result.curve->points.back().y = eps;
+  }
+  PlainAnswer answer;
+  answer.at = of(0.5, 0.91);
+  answer.elsewhere = {of(3.0, 0.92)};
+  const Cause speed = causes_of(result, answer, {}).at(0);
+  EXPECT_EQ(speed.sentence, "Mostly the speed: ε rises by 0.010 between 0.5 m/s and 3 m/s.");
 }
 
 TEST(Causes, AreMostlyTheRoughnessWhereEpsIsOneValueThatScatters) {
