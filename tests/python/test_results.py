@@ -221,7 +221,7 @@ class Tables(Case):
         with open(self.path("asked.csv"), "w") as file:
             file.write("Nr;Zeit\n1;400,0\n2;1000,0\n3;1510,0\n4;1943,5\n")
         for read in (bl.Onsets.from_csv, bl.restitution):
-            with self.assertRaisesRegex(ValueError, r"no title has a unit of time.*; say Onsets\.from_csv\(path, "
+            with self.assertRaisesRegex(ValueError, r"no title has a unit.*; say Onsets\.from_csv\(path, "
                                         r"taken_as='times', unit='ms', columns='t=Zeit'\) \(times in ms by column 'Zeit'\)"):
                 read(self.path("asked.csv"))
         asked = bl.Onsets.from_csv(self.path("asked.csv"), taken_as="times", unit="ms", columns="t=Zeit")
