@@ -25,11 +25,8 @@ Object as_columns(const std::vector<CurvePoint>& curve, const std::string& x, co
 Description members_of(const ShapeFit*) {
   using S = ShapeFit;
   static constexpr Member all[]{
-      member<&S::shape>(
-          "shape",
-          "`two_exponentials` (`peak_eps`, `slope_rising`, `slope_falling`), `normal` (`mean`, `sd`), `gumbel` "
-          "(`mode`, `scale`) "
-          "or `student_t` (`location`, `scale`, `nu`)"),
+      member<&S::shape>("shape",
+                        "`two_exponentials` (`peak_eps`, `slope_rising`, `slope_falling`) or `normal` (`mean`, `sd`)"),
       member<&S::status>("status", "How its fit ended"),
       computed(
           "parameters", [](const S& s) { return by_name(s.parameters); }, "An estimate each, by name"),

@@ -168,17 +168,7 @@ std::optional<bool> slopes_differ(const HistogramFit& h) {
 }
 
 const char* to_string(DensityShape shape) {
-  switch (shape) {
-    case DensityShape::two_exponentials:
-      return "two_exponentials";
-    case DensityShape::normal:
-      return "normal";
-    case DensityShape::gumbel:
-      return "gumbel";
-    case DensityShape::student_t:
-      return "student_t";
-  }
-  return "unknown";
+  return shape == DensityShape::two_exponentials ? "two_exponentials" : "normal";
 }
 
 std::vector<HistogramFit> fit_histograms(const RestitutionSamples& samples, const HistogramConfig& config,

@@ -4,8 +4,6 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
-#include <functional>
-#include <numbers>
 #include <span>
 
 #include "bouncelab/core/elementary.hpp"
@@ -71,15 +69,14 @@ class Blur {
   Eigen::VectorXd below_, above_, within_;
 };
 
-/// A shape: parameters of the search (location, then logarithms), and how they are reported.
+/// A shape: parameters of the search are its location, then logarithms of widths.
 struct ShapeModel {
   DensityShape shape;
   Eigen::VectorXd start;
   /// Probability below the cells, of each cell, and above them.
-  std::function<Eigen::VectorXd(const Eigen::VectorXd& theta, const Blur& blur)> cells;
+  Eigen::VectorXd (*cells)(const Eigen::VectorXd& theta, const Blur& blur);
   std::vector<std::string> parameter_names;
-  std::vector<double> signs;  ///< of log parameters: value = sign exp(+-theta)
-  double exponent = 1.0;      ///< -1: reported as the inverse (slopes)
+  double exponent;  ///< of widths as they are reported; -1: as slopes
 };
 
 /// Probabilities on either side of the edges.
@@ -96,10 +93,6 @@ Eigen::ArrayXd edges_of(const Blur& blur) {
 std::span<double> span_of(Eigen::ArrayXd& x) { return {x.data(), static_cast<std::size_t>(x.size())}; }
 Eigen::ArrayXd exp_of(Eigen::ArrayXd x) {
   exp_each(span_of(x));
-  return x;
-}
-Eigen::ArrayXd log_of(Eigen::ArrayXd x) {
-  log_each(span_of(x));
   return x;
 }
 Eigen::ArrayXd normal_cdf_of(Eigen::ArrayXd z) {
@@ -131,64 +124,12 @@ Eigen::VectorXd normal(const Eigen::VectorXd& x, const Blur& blur) {
   return cells_of({normal_cdf_of(z), normal_cdf_of(-z)});
 }
 
-/// @param sign  +1: long tail to high eps, -1: to low eps
-Eigen::VectorXd gumbel(const Eigen::VectorXd& x, const Blur& blur, double sign) {
-  const Eigen::ArrayXd inner = exp_of(-sign * (edges_of(blur) - x[0]) / exp(x[1]));
-  const Eigen::ArrayXd short_side = exp_of(-inner);
-  const Eigen::ArrayXd long_side = inner.unaryExpr([](double u) { return -expm1(-u); });
-  return cells_of(sign > 0.0 ? Sides{short_side, long_side} : Sides{long_side, short_side});
-}
-
-/// By Simpson's rule in each cell: faster than its distribution function.
-Eigen::VectorXd student_t(const Eigen::VectorXd& x, const Blur& blur) {
-  const double scale = exp(x[1]), nu = exp(std::clamp(x[2], -0.7, 7.0));
-  const double norm = student_t_density(0.0, nu) / scale;
-  const auto density = [&](const Eigen::ArrayXd& eps) -> Eigen::ArrayXd {
-    return norm * exp_of(-0.5 * (nu + 1.0) * log_of(1.0 + ((eps - x[0]) / scale).square() / nu));
-  };
-  const Eigen::Index n = blur.n_cells();
-  const double width = blur.edge(1) - blur.edge(0);
-  const Eigen::ArrayXd edges = edges_of(blur), at_edges = density(edges),
-                       between = density(edges.head(n) + 0.5 * width);
-  Eigen::VectorXd cells(n + 2);
-  cells[0] = student_t_below((blur.edge(0) - x[0]) / scale, nu);
-  cells.segment(1, n) = width / 6.0 * (at_edges.head(n) + 4.0 * between + at_edges.tail(n));
-  cells[n + 1] = student_t_below((x[0] - blur.edge(n)) / scale, nu);
-  return cells;
-}
-
-std::vector<ShapeModel> shape_models(const ShapeStart& s, const Bins& bins) {
-  const double sd = hypot(s.b_below, s.b_above), mean = s.peak + s.b_above - s.b_below;
-  constexpr double kEuler = 0.5772156649015329;
-  // the Gumbel's short side falls as exp(-exp(z)): a start that gives the outermost bins no probability has no gradient
-  const double reach = std::max(mean - bins.eps_edges.front(), bins.eps_edges.back() - mean);
-  const double scale = std::max(sd * std::sqrt(6.0) / std::numbers::pi, reach / 5.0);
-  const auto start = [](std::initializer_list<double> values) {
-    Eigen::VectorXd x(static_cast<Eigen::Index>(values.size()));
-    std::copy(values.begin(), values.end(), x.begin());
-    return x;
-  };
-  const auto tail = [&](double sign) {
-    return ShapeModel{DensityShape::gumbel,
-                      start({mean - sign * kEuler * scale, log(scale)}),
-                      [sign](const Eigen::VectorXd& x, const Blur& blur) { return gumbel(x, blur, sign); },
-                      {"mode", "scale"},
-                      {sign}};
-  };
-  return {{DensityShape::two_exponentials,
-           start({s.peak, log(s.b_below), log(s.b_above)}),
-           two_exponentials,
-           {"peak_eps", "slope_rising", "slope_falling"},
-           {1.0, 1.0},
-           -1.0},
-          {DensityShape::normal, start({mean, log(sd)}), normal, {"mean", "sd"}, {1.0}},
-          tail(-1.0),
-          tail(1.0),
-          {DensityShape::student_t,
-           start({0.5 * (mean + s.peak), log(0.7 * sd), log(4.0)}),
-           student_t,
-           {"location", "scale", "nu"},
-           {1.0, 1.0}}};
+std::vector<ShapeModel> shape_models(const ShapeStart& s) {
+  const Eigen::Vector3d sides(s.peak, log(s.b_below), log(s.b_above));
+  const Eigen::Vector2d mean_and_sd(s.peak + s.b_above - s.b_below, log(hypot(s.b_below, s.b_above)));
+  return {
+      {DensityShape::two_exponentials, sides, two_exponentials, {"peak_eps", "slope_rising", "slope_falling"}, -1.0},
+      {DensityShape::normal, mean_and_sd, normal, {"mean", "sd"}, 1.0}};
 }
 
 /// Multinomial log-likelihood of the bins' counts, its gradient by differences, its information.
@@ -265,8 +206,8 @@ ShapeFit fit_shape(const ShapeModel& model, const Blur& blur, const Eigen::Vecto
   fit.parameters.push_back({model.parameter_names[0], normal_estimate(maximum.x[0], se[0])});
   for (Eigen::Index i = 1; i < maximum.x.size(); ++i) {
     const auto j = static_cast<std::size_t>(i);
-    const double value = model.signs[j - 1] * exp(model.exponent * maximum.x[i]);
-    fit.parameters.push_back({model.parameter_names[j], normal_estimate(value, std::abs(value) * se[i])});
+    const double value = exp(model.exponent * maximum.x[i]);
+    fit.parameters.push_back({model.parameter_names[j], normal_estimate(value, value * se[i])});
   }
   const Eigen::VectorXd expected = counts.sum() * blur.bins_of(model.cells(maximum.x, blur));
   set_chi2(fit, expected, counts);
@@ -284,15 +225,7 @@ std::vector<ShapeFit> fit_shapes(const Bins& bins, const std::vector<double>& ta
                  [](std::size_t n) { return static_cast<double>(n); });
   counts[counts.size() - 1] = static_cast<double>(bins.overflow);
   std::vector<ShapeFit> fits;
-  for (const ShapeModel& model : shape_models(start, bins)) {
-    ShapeFit fit = fit_shape(model, blur, counts);
-    // of the two Gumbels the likelier
-    if (!fits.empty() && fits.back().shape == fit.shape) {
-      if (fit.loglik > fits.back().loglik) fits.back() = std::move(fit);
-    } else {
-      fits.push_back(std::move(fit));
-    }
-  }
+  for (const ShapeModel& model : shape_models(start)) fits.push_back(fit_shape(model, blur, counts));
   const auto aic = [](const ShapeFit& f) { return 2.0 * static_cast<double>(f.parameters.size()) - 2.0 * f.loglik; };
   const double reference = aic(fits.front());
   for (ShapeFit& fit : fits) fit.delta_aic = aic(fit) - reference;

@@ -48,7 +48,7 @@ struct ShapeStart {
   double peak = 0.0, b_below = 1.0, b_above = 1.0;
 };
 
-/// Two exponentials, normal, Gumbel and Student t on the same bins; see ShapeFit.
+/// Two exponentials and a normal on the same bins; see ShapeFit.
 ///
 /// What a shape expects of the bins is its integral over quarter bins, reaching six timing errors beyond the range,
 /// moved to other bins as the normal timing errors (in up to 16 classes) would. Discretisation changes a bin's content

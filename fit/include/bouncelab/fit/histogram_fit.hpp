@@ -32,8 +32,8 @@ struct Bins {
 Description members_of(const Bins*);
 
 /// The shapes of p(eps) that are compared.
-enum class DensityShape { two_exponentials, normal, gumbel, student_t };
-/// The words of fit.json: "two_exponentials", "normal", "gumbel", "student_t".
+enum class DensityShape { two_exponentials, normal };
+/// The words of fit.json: "two_exponentials", "normal".
 const char* to_string(DensityShape shape);
 
 /// One shape of p(eps), fitted to the counts of the bins (under- and overflow are bins too) by maximum likelihood, each
@@ -41,8 +41,6 @@ const char* to_string(DensityShape shape);
 ///
 ///   two_exponentials  as HistogramFit: peak, slope_rising, slope_falling
 ///   normal            mean, sd
-///   gumbel            mode, scale (negative: the long tail points to low eps), density exp(-z - exp(-z)) / |scale|
-///   student_t         location, scale, nu
 struct ShapeFit {
   DensityShape shape = DensityShape::two_exponentials;
   FitStatus status = FitStatus::not_converged;
@@ -79,7 +77,7 @@ struct HistogramFit {
       delta_aic_gaussian;  ///< AIC(normal) - AIC(two exponentials): > 0: the two exponentials are preferred
   Bins bins;
   std::vector<CurvePoint> curve;  ///< fitted density, timing error included
-  std::vector<ShapeFit> shapes;   ///< two exponentials as the paper drew them, normal, Gumbel, Student t
+  std::vector<ShapeFit> shapes;   ///< two exponentials as the paper drew them, normal
 };
 Description members_of(const HistogramFit*);
 
