@@ -8,7 +8,6 @@
 #include "bouncelab/synthesis/synthetic_recording.hpp"
 #include "commands/commands.hpp"
 #include "stages/ball_of_files.hpp"
-#include "stages/calibrate.hpp"
 #include "stages/detect.hpp"
 #include "stages/fit.hpp"
 #include "stages/loop.hpp"
@@ -346,23 +345,6 @@ Command validate_command() {
       true};
 }
 
-Command calibrate_command() {
-  using O = CalibrateOptions;
-  static constexpr Member files[]{
-      member<&O::out>("out", "With --memory: table of the experiments, .csv").writes("FILE")};
-  auto options = std::make_shared<O>();
-  return {"calibrate",
-          "Calibration of the fit: pulls and coverage on drops of a rough ball drawn from the paper's law, and the "
-          "Cramer-Rao bound of independent samples",
-          "Examples: bouncelab calibrate --samples 20000 --seeds 500 --timing 8.7e-4\n"
-          "          bouncelab calibrate --memory --experiments 200 --out experiments.csv",
-          {section_of(*options), {"", files, options.get()}},
-          [options](Run& run) {
-            check_calibrate_options(*options, run.given);
-            return run_calibrate(*options, run);
-          }};
-}
-
 Command balls_command() {
   return {"balls",
           "Lists the balls, materials and plates that --ball and --plate know, with their numbers and sources",
@@ -409,7 +391,6 @@ const std::vector<CommandName>& all_commands() {
       {"convert", convert_command, beside},
       {"validate", validate_command, beside},
       {"balls", balls_command, beside},
-      {"calibrate", calibrate_command, beside},
       {"completion", completion_command, beside},
   };
   return all;

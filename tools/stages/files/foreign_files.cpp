@@ -94,8 +94,7 @@ std::string line_of(const fs::path& path, const std::string& taken_for) {
 
 }  // namespace
 
-TableReader open_onsets(const fs::path& path, const ForeignFileOptions& options,
-                                         std::vector<std::string>& taken_for) {
+TableReader open_onsets(const fs::path& path, const ForeignFileOptions& options, std::vector<std::string>& taken_for) {
   const ForeignOptions& said = options.table;
   if (!may_be_foreign(path) || (!said.tells() && audio::is_own_table(decoded_head(path))))
     return open_table(path, onset_columns());
@@ -121,8 +120,7 @@ Onsets read_onsets(const fs::path& path, const ForeignFileOptions& options, std:
   return onsets_from_table(table, input_name(path));
 }
 
-TableReader open_samples(const fs::path& path, const ForeignOptions& options,
-                                          std::vector<std::string>& taken_for) {
+TableReader open_samples(const fs::path& path, const ForeignOptions& options, std::vector<std::string>& taken_for) {
   if (!may_be_foreign(path) || (!options.tells() && has_columns(decoded_head(path), {"v_mps", "eps"})))
     return open_table(path, sample_columns());
   const std::string name = input_name(path);
