@@ -40,8 +40,8 @@ class Stages(Case):
         program("simulate", out=self.path("i.csv"), **of_ball)
         impacts = bl.simulate(**of_ball)
         for keywords in (dict(channel=["0.05,0.02", "-0.05,0.02,0,0.5"]),
-                         dict(bits="float", hum=0.5, clicks=2.0, knocks=1.0, double_hits=0.3, drift=0.1, robot=True,
-                              pause=2.5, noise_corner=100.0, timbre_wander=0.1, phase_wander=0.2, snr_db=20.0, seed=3)):
+                         dict(bits="float", hum=0.5, clicks=2.0, knocks=1.0, double_hits=0.3, drift=0.1, pause=2.5,
+                              noise_corner=100.0, timbre_wander=0.1, phase_wander=0.2, snr_db=20.0, seed=3)):
             program("synthesize", self.path("i.csv"), out=self.path("s.wav"), force=True, **keywords, **LOUD)
             sound = bl.synthesize(impacts, name=self.path("s.wav"), **keywords, **LOUD)
             self.assert_same_columns(sound.truth.to_dict(), self.path("s.truth.csv"))
@@ -121,13 +121,7 @@ class Stages(Case):
                 self.assertEqual((list(fit.nodes), list(fit.parameters)), ([0.8, 1.1], ["A2", "A4"]))
         keywords = dict(goodness_replicates=9, ball="steel:6mm", plate="glass")
         self.assertEqual(quiet(bl.roughness, samples, **keywords).results, printed("roughness", csv, **keywords))
-        keywords = dict(samples=300, seeds=3, timing=8.7e-4, seed=4)
-        self.assertEqual(bl.calibrate(**keywords).results, printed("calibrate", **keywords))
-        keywords = dict(memory=True, experiments=1, drops=(5, 5), impacts=14)
-        summary = printed("calibrate", out=self.path("e.csv"), **keywords)
-        calibration = bl.calibrate(**keywords)
-        self.assertEqual(calibration.results, summary)
-        self.assert_same_columns(calibration.experiments, self.path("e.csv"))
+
 
 
 class Loop(Case):

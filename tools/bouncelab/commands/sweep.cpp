@@ -45,7 +45,7 @@ ParsedLoop parsed(const Run& run, const loop::Settings& settings) {
   for (const auto& [option, value] : settings) arguments.push_back("--" + option + "=" + value);
   try {
     ParsedLoop loop = parse_loop(arguments);
-    loop_config(loop.options, loop.common);
+    loop_config(loop.options, loop.common, true);
     return loop;
   } catch (const InvalidArgument& error) {
     throw InvalidArgument("sweep, " + loop::text_of(settings) + ": " + error.what());
@@ -54,7 +54,7 @@ ParsedLoop parsed(const Run& run, const loop::Settings& settings) {
 
 loop::SweepPoint run_point(const Run& run, const loop::Settings& settings) {
   const ParsedLoop loop = parsed(run, settings);
-  loop::LoopConfig config = loop_config(loop.options, loop.common);
+  loop::LoopConfig config = loop_config(loop.options, loop.common, true);
   config.surface = surface_from_file(loop.options.simulate, config.simulation.ball);
   return loop::sweep_point(settings, loop::run_loop(config, interrupts_only), config.node_speeds_mps);
 }

@@ -8,7 +8,6 @@
 #include "bouncelab/synthesis/synthetic_recording.hpp"
 #include "commands/commands.hpp"
 #include "stages/ball_of_files.hpp"
-#include "stages/calibrate.hpp"
 #include "stages/detect.hpp"
 #include "stages/fit.hpp"
 #include "stages/loop.hpp"
@@ -101,8 +100,8 @@ Command loop_command() {
 Command simulate_command() {
   using O = SimulateOptions;
   static constexpr Member files[]{
-      member<&O::out>("out", "Impacts, .csv or .jsonl").writes("FILE").required(),
-      member<&O::write_surface>("write_surface", "Write the asperities, .csv or .jsonl").writes("FILE")};
+      member<&O::out>("out", "Impacts, .csv").writes("FILE").required(),
+      member<&O::write_surface>("write_surface", "Write the asperities, .csv").writes("FILE")};
   auto options = std::make_shared<O>();
   return {"simulate",
           "Drop a rough ball: impact times, velocities, asperities",
@@ -125,7 +124,7 @@ Command simulate_command() {
 Command synthesize_command() {
   using O = SynthesizeOptions;
   static constexpr Member files[]{
-      member<&O::impacts>("impacts", "Impacts: FILE.csv or FILE.jsonl").required().positional(),
+      member<&O::impacts>("impacts", "Impacts: FILE.csv").required().positional(),
       member<&O::out>("out", "Sound: .wav (RF64 above 4 GiB), .flac, .w64 or .rf64").writes("FILE").required(),
       member<&O::truth>("truth", "True onsets (default OUT without its extension + .truth.csv)").writes("FILE"),
       member<&O::each_drop>("each_drop", "One file for each drop: NAME.0000.wav, NAME.0001.wav ...")};
@@ -318,7 +317,7 @@ Command convert_command() {
   auto options = std::make_shared<O>();
   return {"convert",
           "Onsets to marks that sound editors show, and marks corrected there back to onsets.\n"
-          "Written by extension: .csv, .jsonl (JSON Lines); .txt (Audacity labels), .svl (Sonic Visualiser), .TextGrid "
+          "Written by extension: .csv; .txt (Audacity labels), .svl (Sonic Visualiser), .TextGrid "
           "(Praat), .wav, .rf64 (cue points in a copy of the recording). Labels hold all that is known of an onset "
           "(Audacity's in FILE.txt.onsets.csv beside them), so nothing is lost. A mark that was moved by more than the "
           "format resolves (Audacity 0.5 us; .svl and cues half a sample; .TextGrid 1 ns), or made, counts as it "
@@ -344,23 +343,6 @@ Command validate_command() {
       [options](Run& run) { return run_validate(*options, run); },
       {"simulate", "synthesize"},
       true};
-}
-
-Command calibrate_command() {
-  using O = CalibrateOptions;
-  static constexpr Member files[]{
-      member<&O::out>("out", "With --memory: table of the experiments, .csv").writes("FILE")};
-  auto options = std::make_shared<O>();
-  return {"calibrate",
-          "Calibration of the fit: pulls and coverage on drops of a rough ball drawn from the paper's law, and the "
-          "Cramer-Rao bound of independent samples",
-          "Examples: bouncelab calibrate --samples 20000 --seeds 500 --timing 8.7e-4\n"
-          "          bouncelab calibrate --memory --experiments 200 --out experiments.csv",
-          {section_of(*options), {"", files, options.get()}},
-          [options](Run& run) {
-            check_calibrate_options(*options, run.given);
-            return run_calibrate(*options, run);
-          }};
 }
 
 Command balls_command() {
@@ -409,7 +391,6 @@ const std::vector<CommandName>& all_commands() {
       {"convert", convert_command, beside},
       {"validate", validate_command, beside},
       {"balls", balls_command, beside},
-      {"calibrate", calibrate_command, beside},
       {"completion", completion_command, beside},
   };
   return all;

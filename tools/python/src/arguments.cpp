@@ -35,7 +35,6 @@ Sections sections_of(stages::RoughnessOptions& options) {
   return {ball_section(options.world, "what the samples say, else a solid ball of the paper's radius"),
           stages::section_of(options.config)};
 }
-Sections sections_of(stages::CalibrateOptions& options) { return {stages::section_of(options)}; }
 Sections sections_of(stages::LoopOptions& options) { return stages::loop_sections(options); }
 /// Those of the scene alone: detectors are functions, and no file is written.
 Sections sections_of(stages::ValidateOptions& options) {
@@ -69,9 +68,6 @@ template <class Options>
 void complete(const Options&, const stages::Run&) {}
 void complete(stages::SimulateOptions& options, stages::Run& run) {
   if (options.preset == "paper") stages::apply_paper_preset(options, run);
-}
-void complete(const stages::CalibrateOptions& options, const stages::Run& run) {
-  stages::check_calibrate_options(options, run.given);
 }
 void complete(stages::LoopOptions& options, stages::Run& run) { stages::apply_loop_preset(options, run); }
 
@@ -123,19 +119,14 @@ template Parsed<stages::DetectOptions> parse(const Arguments&);
 template Parsed<stages::RestitutionOptions> parse(const Arguments&);
 template Parsed<stages::FitOptions> parse(const Arguments&);
 template Parsed<stages::RoughnessOptions> parse(const Arguments&);
-template Parsed<stages::CalibrateOptions> parse(const Arguments&);
 template Parsed<stages::LoopOptions> parse(const Arguments&);
 
 std::string options_json(const std::string& function) {
-  static const std::map<std::string, Json (*)()> functions{{"simulate", options_of<stages::SimulateOptions>},
-                                                           {"synthesize", options_of<stages::SynthesizeOptions>},
-                                                           {"detect", options_of<stages::DetectOptions>},
-                                                           {"restitution", options_of<stages::RestitutionOptions>},
-                                                           {"fit", options_of<stages::FitOptions>},
-                                                           {"roughness", options_of<stages::RoughnessOptions>},
-                                                           {"calibrate", options_of<stages::CalibrateOptions>},
-                                                           {"loop", options_of<stages::LoopOptions>},
-                                                           {"validate", options_of<stages::ValidateOptions>}};
+  static const std::map<std::string, Json (*)()> functions{
+      {"simulate", options_of<stages::SimulateOptions>}, {"synthesize", options_of<stages::SynthesizeOptions>},
+      {"detect", options_of<stages::DetectOptions>},     {"restitution", options_of<stages::RestitutionOptions>},
+      {"fit", options_of<stages::FitOptions>},           {"roughness", options_of<stages::RoughnessOptions>},
+      {"loop", options_of<stages::LoopOptions>},         {"validate", options_of<stages::ValidateOptions>}};
   const auto found = functions.find(function);
   if (found == functions.end()) throw InvalidArgument("no function '" + function + "'");
   return found->second().dump();

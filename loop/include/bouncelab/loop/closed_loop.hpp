@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -29,9 +30,13 @@ struct LoopConfig {
   sim::SimulationConfig simulation;
   std::int64_t n_asperities = 1'000'000;  ///< drawn with the seed of the simulation
   sim::RadiusLaw radius_law;
-  std::optional<sim::Surface> surface;   ///< given: instead of drawing asperities
-  synthesis::SynthesisConfig synthesis;  ///< one channel
+  std::optional<sim::Surface> surface;  ///< given: instead of drawing asperities
+  synthesis::SynthesisConfig synthesis;
+  /// All drops in this one recording, which is replaced: its template is learned of all. Absent: a recording of one
+  /// channel for each drop, through memory, in parallel.
+  std::optional<std::filesystem::path> recording;
   bool with_smooth_ball = false;  ///< also the same ball without asperities, kRoughDropsPerSmoothDrop times fewer
+  bool with_direct = true;        ///< also the fit to the simulation itself, without any measurement
   bool with_memory = false;       ///< also the fit with memory, to the true and to the detected times
   std::optional<std::filesystem::path> sound_folder;  ///< as DropRecording::folder
   /// Speeds at which truth and results are compared [m/s]: slow, middle and fast impacts of a drop from 10 cm.
@@ -45,9 +50,42 @@ constexpr std::int64_t kRoughDropsPerSmoothDrop = 20;
 /// One ball: simulated, synthesized, detected.
 struct BallResult {
   std::string name;  ///< "rough" or "smooth"
-  Impacts impacts;   ///< without states
-  std::vector<DropResult> drops;
+  Impacts impacts;   ///< with states where the configuration asks for them
+  std::vector<RecordingResult> recordings;
   detection::OnsetScore score;
+};
+
+/// Wall and processor time of each stage, in order.
+class StageClock {
+ public:
+  using SecondsByStage = std::vector<std::pair<std::string, double>>;
+
+  /// Runs one stage and notes its time under `name`.
+  template <class Work>
+  auto time(const std::string& name, Work&& work) {
+    const Timer timer{*this, name};
+    return work();
+  }
+  /// Notes processor time that a stage's own clocks tell in place of that of the last stage.
+  void split_last(const SecondsByStage& processor_s);
+  const SecondsByStage& wall_s() const { return wall_s_; }
+  /// Of all threads.
+  const SecondsByStage& processor_s() const { return processor_s_; }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  static double process_time_s();
+  struct Timer {
+    StageClock& clock;
+    std::string name;
+    Clock::time_point start = Clock::now();
+    double process_start_s = process_time_s();
+    ~Timer() {
+      clock.wall_s_.emplace_back(name, std::chrono::duration<double>(Clock::now() - start).count());
+      clock.processor_s_.emplace_back(name, process_time_s() - process_start_s);
+    }
+  };
+  SecondsByStage wall_s_, processor_s_;
 };
 
 struct LoopResult {
@@ -57,21 +95,21 @@ struct LoopResult {
   std::vector<sim::EnergyShares> shares;   ///< of the rough ball
   sim::EnergyLedger energy;                ///< of the rough ball
   std::vector<sim::Reservoir> reservoirs;  ///< of the rough ball, after each impact
-  BallResult smooth;                       ///< without drops where it was not asked for
+  BallResult smooth;                       ///< without recordings where it was not asked for
   RestitutionSamples samples_direct;       ///< eq. 12 of the paper: macroscopic eps of the simulation, no sound
   RestitutionSamples samples_true;         ///< eq. 2 of the paper from the true times
   RestitutionSamples samples_sound;        ///< eq. 2 of the paper from the detected times
   RestitutionSamples samples_smooth;       ///< likewise, of the smooth ball
   fit::FitResult direct, true_times, sound, smooth_sound;
-  std::optional<ScatterTheory> theory;                              ///< of the rough ball, in the windows of `sound`
-  std::optional<ReservoirCheck> reservoir;                          ///< of the rough ball, from its sound
-  std::vector<std::pair<std::string, double>> wall_s, processor_s;  ///< by stage, in order
+  std::optional<ScatterTheory> theory;      ///< of the rough ball, in the windows of `sound`
+  std::optional<ReservoirCheck> reservoir;  ///< of the rough ball, from its sound
+  StageClock clock;
 };
 
 /// Makes the progress callback of a stage: `label` is what is done ("simulate"), `unit` what is counted ("drops").
 using StageProgress = std::function<ProgressCallback(const std::string& label, const std::string& unit)>;
 
-/// Runs the loop with all data in memory.
+/// Runs the loop with all data in memory but for the one recording.
 /// @throws InvalidArgument naming the setting that is out of range, FileError (disk full), what `progress` throws
 LoopResult run_loop(const LoopConfig& config, const StageProgress& progress = {});
 
