@@ -96,7 +96,7 @@ function histogramTables() {
   const cell = s => s ? `${number(Math.round(10 * s.delta_aic) / 10, 6)} (p ${number(s.p_value, 2)})` : '–';
   foldedTable('Which shape?', ['window', 'two exponentials', 'normal'],
         used.filter(h => (h.shapes || []).length).map(h => [speed(h.v_mps), ...['two_exponentials', 'normal'].map(name => cell(shape(h, name)))]),
-        'ΔAIC against the two exponentials on the same bins, each shape blurred by the timing errors: positive speaks for the two exponentials. p: of χ².');
+        'ΔAIC against the two exponentials of the same samples, each shape with the timing errors: positive speaks for the two exponentials. p: of χ².');
 }
 
 function timingTable() {

@@ -140,18 +140,6 @@ TEST(HistogramFit, FindsTheShapeThatTheScatterHas) {
     }
 }
 
-TEST(HistogramFit, BinnedFitAgreesWithTheUnbinned) {
-  // the same samples, so the difference is what the bins lose: small against the standard error
-  for (const double noise : {0.0, 3e-4})
-    for (const auto& h : fit_histograms(independent_samples({}, 40000, 0.2, 1.4, noise), {}, truth_of({}))) {
-      const auto& binned = shape_fit(h, DensityShape::two_exponentials).parameters;
-      EXPECT_NEAR(binned[0].estimate.value, h.peak_eps->value, 1.5 * *h.peak_eps->se) << h.v_mps;
-      EXPECT_NEAR(binned[1].estimate.value, h.slope_rising->value, *h.slope_rising->se) << h.v_mps;
-      EXPECT_NEAR(binned[2].estimate.value, h.slope_falling->value, *h.slope_falling->se) << h.v_mps;
-      EXPECT_NEAR(*binned[1].estimate.se / *h.slope_rising->se, 1.0, 0.15);
-    }
-}
-
 TEST(HistogramFit, WidthIsChosenByCounts) {
   HistogramConfig config;
   config.width_mps = 0.0;
