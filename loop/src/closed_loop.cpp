@@ -136,8 +136,7 @@ void fit_everything(LoopResult& loop, const LoopConfig& config, const StageProgr
       loop.samples_smooth = samples_of(onsets_of(loop.smooth.recordings));
       fit(loop.samples_smooth, loop.smooth_sound);
     });
-  if (const ProgressCallback report = callback(progress, "fit", "fits"))
-    report(0.0, static_cast<double>(fits.size()));
+  if (const ProgressCallback report = callback(progress, "fit", "fits")) report(0.0, static_cast<double>(fits.size()));
   parallel_for(fits.size(), config.n_threads, [&](std::size_t k) { fits[k](); });
 }
 

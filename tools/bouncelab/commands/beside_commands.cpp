@@ -15,7 +15,7 @@
 #include "commands/commands.hpp"
 #include "options/commands.hpp"
 #include "stages/ball_of_files.hpp"
-#include "stages/files/fit_file.hpp"
+#include "stages/report.hpp"
 
 namespace bouncelab::cli {
 namespace {

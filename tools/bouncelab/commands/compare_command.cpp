@@ -28,11 +28,11 @@
 #include "bouncelab/report/page.hpp"
 #include "stages/ball_of_files.hpp"
 #include "stages/detect.hpp"
-#include "stages/files/fit_file.hpp"
 #include "stages/files/foreign_files.hpp"
 #include "stages/files/sample_files.hpp"
 #include "stages/files/table_file.hpp"
 #include "stages/progress_line.hpp"
+#include "stages/report.hpp"
 
 namespace bouncelab::cli {
 namespace {
