@@ -13,7 +13,6 @@
 #include "bouncelab/detection/wave_preview.hpp"
 #include "bouncelab/loop/loop_score.hpp"
 #include "bouncelab/report/answer.hpp"
-#include "bouncelab/report/conclusions.hpp"
 #include "bouncelab/report/notes.hpp"
 #include "stages/files/table_file.hpp"
 #include "stages/loop_results.hpp"

@@ -23,7 +23,6 @@
 #include "bouncelab/fit/restitution.hpp"
 #include "bouncelab/fit/usable_samples.hpp"
 #include "bouncelab/report/answer.hpp"
-#include "bouncelab/report/comparison.hpp"
 #include "bouncelab/report/notes.hpp"
 #include "bouncelab/report/page.hpp"
 #include "stages/ball_of_files.hpp"
