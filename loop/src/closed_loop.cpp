@@ -142,9 +142,9 @@ void fit_everything(LoopResult& loop, const LoopConfig& config, const StageProgr
 
 }  // namespace
 
-double StageClock::process_time_s() {
+double processor_time_s(clockid_t clock) {
   std::timespec now{};
-  ::clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  ::clock_gettime(clock, &now);
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 

@@ -98,9 +98,8 @@ py::dict simulate(const Arguments& arguments, const py::object& progress) {
   sim::SimulationResult simulated;
   Table table;
   python::run(run, progress, [&, &options = options, &run = run] {
-    const sim::Surface surface =
-        stages::surface_of(options, config, stages::progress_line(run, "surface", "asperities"));
-    simulated = sim::simulate(config, surface, stages::progress_line(run, "simulate", "drops"));
+    simulated = sim::simulate(config, stages::surface_of(options, config, run),
+                              stages::progress_line(run, "simulate", "drops"));
     table = to_table(simulated.impacts);
   });
   if (simulated.impacts.rows.empty())
@@ -262,7 +261,7 @@ py::tuple read_columns(const std::string& path, const std::string& kind, const s
         kind == "onsets"
             ? to_table(stages::read_onsets(path, how, taken_for))
             : to_table(samples_from_table(
-                  stages::open_samples(path, how.table, taken_for)->next(std::numeric_limits<std::size_t>::max()),
+                  stages::open_samples(path, how.table, taken_for).next(std::numeric_limits<std::size_t>::max()),
                   path));
     return py::make_tuple(columns_of(std::move(table)), taken_for);
   } catch (const AmbiguousTable& table) {
