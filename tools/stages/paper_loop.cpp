@@ -78,10 +78,7 @@ loop::LoopConfig paper_config(const LoopOptions& options, const Run& run) {
   config.surface = surface_from_file(options.simulate, config.simulation.ball);
   config.with_smooth_ball = true;
   config.with_memory = !options.without_memory;
-  if (config.sound_folder) {
-    fs::create_directories(*config.sound_folder);
-    remove_abandoned_files(*config.sound_folder);  // also where all recordings are there already
-  }
+  if (config.sound_folder) fs::create_directories(*config.sound_folder);
   return config;
 }
 

@@ -34,21 +34,6 @@ Object object_of(const Parameters& parameters) {
   return object;
 }
 
-/// A checksum that is being computed.
-class Sha256 {
- public:
-  Sha256() { sha256_init(&state_); }
-  void add(const void* bytes, std::size_t n) { sha256_update(&state_, n, static_cast<const std::uint8_t*>(bytes)); }
-  std::string in_hexadecimal() {
-    std::array<std::uint8_t, SHA256_DIGEST_SIZE> digest{};
-    sha256_digest(&state_, digest.size(), digest.data());
-    return fmt::format("{:02x}", fmt::join(digest, ""));
-  }
-
- private:
-  sha256_ctx state_;
-};
-
 std::string computed_sha256(const fs::path& path) {
   FileBytes file(path);
   Sha256 sum;
@@ -166,6 +151,12 @@ std::optional<std::string> parameter_in_history(const fs::path& file, const std:
 }
 
 }  // namespace
+
+std::string Sha256::in_hexadecimal() {
+  std::array<std::uint8_t, SHA256_DIGEST_SIZE> digest{};
+  sha256_digest(&state_, digest.size(), digest.data());
+  return fmt::format("{:02x}", fmt::join(digest, ""));
+}
 
 std::string sha256_of(const std::string& text) {
   Sha256 sum;

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <nettle/sha2.h>
+
+#include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -10,6 +14,17 @@
 #include "stages/run.hpp"
 
 namespace bouncelab::stages {
+
+/// A SHA-256 of bytes that come in pieces.
+class Sha256 {
+ public:
+  Sha256() { sha256_init(&state_); }
+  void add(const void* bytes, std::size_t n) { sha256_update(&state_, n, static_cast<const std::uint8_t*>(bytes)); }
+  std::string in_hexadecimal();
+
+ private:
+  sha256_ctx state_;
+};
 
 /// SHA-256 of a file's content, in hexadecimal; computed once, unless the file changes. From any thread.
 /// @throws FileError, Interrupted
