@@ -86,7 +86,7 @@ Conclusion peaks_follow_the_law(const FitResult& rough, const std::optional<Rest
     n += 1.0;
     if (c.value && std::abs(pull) <= *c.value) continue;
     c.value = std::abs(pull);
-    c.detail = formatted("largest at %.1f m/s: %.1e off", h->v_mps, h->peak_eps->value - restitution(*law, h->v_mps));
+    c.detail = formatted("largest at %.1f m/s: %+.2g off", h->v_mps, h->peak_eps->value - restitution(*law, h->v_mps));
   }
   if (n > 0.0) c.detail += formatted("; root mean square of %.0f pulls %.2f", n, std::sqrt(square / n));
   c.holds = c.value && *c.value < 3.0;

@@ -56,13 +56,13 @@ std::optional<Estimate> height_of(const Drop& drop, const Estimate* height, doub
   return proved;
 }
 
-/// Those of the samples and on either side of each, but for those that are less likely than not the ball's.
+/// Those of the samples and on either side of each, but for those that are not the ball's.
 /// @param drop  ordered by impact number
 std::size_t n_impacts_of(const Drop& drop) {
   std::size_t n = 0;
   std::int64_t next = 0;  // smallest number not counted yet
   for (const RestitutionSample* s : drop) {
-    if (s->flags.has(Flag::improbable)) continue;
+    if (s->flags.has(Flag::improbable) || s->flags.has(Flag::extra_impact)) continue;
     const std::int64_t first = std::max(next, s->impact - 1);
     n += static_cast<std::size_t>(std::max<std::int64_t>(0, s->impact + 2 - first));
     next = std::max(next, s->impact + 2);

@@ -134,7 +134,7 @@ std::string limits(const FitResult& r, const std::string& measured) {
                               differ > 0.5 * *middle.eps.se * std::sqrt(static_cast<double>(r.curve->n_drops));
     text += formatted(" Of %zu bounces", r.n_used) +
             (r.curve->n_drops > 1 ? formatted(" in %zu drops", r.curve->n_drops) : "") +
-            formatted(" that leaves a standard error of %.1e at %.2g m/s; four times as many ",
+            formatted(" that leaves a standard error of %.2g at %.2g m/s; four times as many ",
                       *middle.eps.se * std::sqrt(std::max(0.0, 1.0 - std::max(contact, drag))), middle.v_mps) +
             (drops_differ ? "drops, which differ, halve it." : "bounces halve it.");
   }

@@ -103,7 +103,8 @@ constexpr Wording kWordings[]{
     {Kind::low_band, detail,
      "the times come from the sound below {0} Hz, where the impacts are clearest; they are less exact than "
      "times from all frequencies"},
-    {Kind::several_places, detail, "{0} of {1} impacts have more than one possible time; their errors include this"},
+    {Kind::several_places, detail,
+     "{0} of the {1} impacts found have more than one possible time; their errors include this"},
     {Kind::modes_left_out, warning,
      "{0} modes of vibration from {1:.0f} to {2:.0f} Hz are left out, too high for a sampling rate of {3:.0f} "
      "Hz"},

@@ -42,7 +42,8 @@ TEST_F(SeveralFiles, NameTheRecordingsThatHaveNoNameOrThatOfAnother) {
   write("1.csv", kHeader + drop_of("x.wav", 0, 0.9));
   write("2.csv", kHeader + drop_of("x.wav", 0, 0.95));
   write("3.csv", "t_s\n0.1\n0.3\n0.48\n");
-  const std::string samples = samples_of("1.csv 2.csv 3.csv", "2.csv: the names of 1 recording are in another file too");
+  const std::string samples =
+      samples_of("1.csv 2.csv 3.csv", "2.csv: the names of 1 recording are in another file too");
   EXPECT_THAT(samples, testing::HasSubstr("\nx.wav,0,"));
   EXPECT_THAT(samples, testing::HasSubstr("\nx.wav (2.csv),0,"));
   EXPECT_THAT(samples, testing::HasSubstr("\n3.csv,0,"));

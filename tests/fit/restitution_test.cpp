@@ -175,6 +175,14 @@ TEST(Restitution, FlagsAnInventedImpactWhereverItSplitsTheFlight) {
   }
 }
 
+TEST(Restitution, ARattleThatFollowsTheBouncesIsNoBounces) {
+  std::vector<double> times = geometric_times(0.25, 0.88, 20);
+  for (int k = 0; k < 12; ++k) times.push_back(times.back() + (k % 2 == 0 ? 0.0085 : 0.0091));
+  const auto r = restitution_samples(onsets_at(times), {});
+  EXPECT_EQ(n_clean(r.samples), 17u);  // the last of the 18 has the rattle for its second interval
+  for (std::size_t k = 17; k < r.samples.size(); ++k) EXPECT_FALSE(r.samples[k].flags.empty()) << k;
+}
+
 TEST(Restitution, LeavesSigmaAbsentWhereATimeHasNone) {
   auto onsets = onsets_at(geometric_times(0.2, 0.9, 6));
   onsets[2].sigma_t_s.reset();

@@ -45,6 +45,12 @@ class FitResults(Case):
             self.assertLess(value.lo95, node.value)
             self.assertGreater(value.hi95, node.value)
 
+    def test_what_went_names_what_took_its_place(self):
+        with self.assertRaisesRegex(AttributeError, "results..constants.."):
+            self.fit.law
+        with self.assertRaisesRegex(AttributeError, "no attribute 'lwa'"):
+            self.fit.lwa
+
     def test_shapes_of_speeds(self):
         self.assertIsInstance(self.fit.eps(0.8).value, float)
         self.assertEqual(self.fit.eps(np.full((2, 3), 0.8)).se.shape, (2, 3))

@@ -141,8 +141,9 @@ const RowColumns<RestitutionSample>& columns_of(const RestitutionSample*) {
           "then neglects it, and says so)",
           kSigma),
       column("flags", &S::flags,
-             "`missing_impact` or `extra_impact`: the ratio jumps as where an impact was missed or invented; "
-             "`not_finite`: set on reading. Flagged samples stay in the table and out of the fit. A word that is none "
+             "`missing_impact` or `extra_impact`: the ratio jumps as where an impact was missed or invented, or the "
+             "sample is of a rattle that follows the bounces; `not_finite`: set on reading. Flagged samples stay in "
+             "the table and out of the fit. A word that is none "
              "of these excludes a sample too; the fit warns of it"),
       column_of_words("corrected", kCorrections,
                       "What is not in the intervals, because it was taken out or there was none: `drag`, "

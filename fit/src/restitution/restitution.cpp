@@ -116,6 +116,16 @@ void flag_wrong_intervals(std::span<RestitutionSample> drop, bool error_is_known
       k = std::max(k, j);
     }
   }
+  // What then comes to the drop's end with intervals that fall by less than half as much (in ln) as a ball's is its
+  // rattle, or what it lies on.
+  const auto behind =
+      std::find_if(drop.rbegin(), drop.rend(), [](const auto& s) { return s.flags.has(Flag::extra_impact); });
+  if (behind == drop.rend() || behind - drop.rbegin() < 2) return;
+  const std::span<RestitutionSample> rest(behind.base(), drop.end());
+  double ln_product = 0.0;
+  for (const auto& s : rest) ln_product += std::log(s.eps);
+  if (ln_product <= 0.5 * std::log(m) * static_cast<double>(rest.size())) return;
+  for (auto& s : rest) s.flags.add(Flag::extra_impact);
 }
 
 double median_of_others(const RestitutionSamples& samples) {

@@ -293,6 +293,12 @@ class Fit:
         except ValueError as error:
             raise ValueError(f"{os.fspath(path)}: {error}") from None
 
+    def __getattr__(self, name: str) -> Any:
+        if name == "law":
+            raise AttributeError("Fit.law went with 0.3: the curve is eps(v) and results['curve'], the constants of the "
+                                 "law are results['constants']")
+        raise AttributeError(f"'{type(self).__name__}' object has no attribute '{name}'")
+
     @property
     def status(self) -> str:
         """Of the constants: ``ok``, ``not_identifiable`` (the curve is known, A2, A4, A5 are not), ``not_applicable``
