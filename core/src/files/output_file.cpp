@@ -14,8 +14,7 @@
 
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/parallel.hpp"
-#include "files/file_target.hpp"
-#include "files/temporary_file.hpp"
+#include "files/descriptors.hpp"
 
 namespace bouncelab {
 namespace fs = std::filesystem;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "files/temporary_file.hpp"
+#include "files/descriptors.hpp"
 
 #include <fcntl.h>
 #include <poll.h>
@@ -142,16 +142,7 @@ namespace {
 /// A lock on an open file, against every other opening of it on this machine and, where the file system can, on others.
 /// It ends with the descriptor, and so with the process, however that ends.
 bool is_locked_by_another(int descriptor) {
-#ifdef F_OFD_SETLK
-  // of the opening, not of the process: it also excludes other threads
-  struct flock lock {};
-  lock.l_type = F_WRLCK;
-  lock.l_whence = SEEK_SET;
-  const int status = ::fcntl(descriptor, F_OFD_SETLK, &lock);
-#else
-  const int status = ::flock(descriptor, LOCK_EX | LOCK_NB);
-#endif
-  return status != 0 && (errno == EAGAIN || errno == EACCES);  // else the file system has no locks
+  return ::flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;  // else the file system has no locks
 }
 
 /// Whether an open file is still the one that has this name.

@@ -49,7 +49,7 @@ void run(Bytes input) {
   };
   std::string copy, second_copy;
   // RF64 without its chunk ds64 can be read, but not written
-  if (!accepts([&] { copy = copied(text_of(input)); })) return;
+  if (!accepts([&] { copy = copied(std::string(text_of(input))); })) return;
   check_round_trip(marks, 0.0, [&](const audio::Annotations&) { return cues_of(copy); });
   must_accept("a copy can be copied", [&] { second_copy = copied(copy); });
   require(second_copy == copy, "a copy with the cue points it has is the same");

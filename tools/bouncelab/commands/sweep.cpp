@@ -3,7 +3,7 @@
 
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/loop/sweep.hpp"
-#include "options/parser.hpp"
+#include "options/commands.hpp"
 #include "stages/files/table_file.hpp"
 #include "stages/loop.hpp"
 #include "stages/loop_results.hpp"

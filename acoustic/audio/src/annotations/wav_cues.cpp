@@ -12,7 +12,7 @@
 
 #include "bouncelab/audio/annotations.hpp"
 #include "bouncelab/core/error.hpp"
-#include "io/sound_bytes.hpp"
+#include "bouncelab/core/files.hpp"
 #include "io/sound_header.hpp"
 
 namespace bouncelab::audio {
@@ -31,7 +31,7 @@ std::uint32_t number_at(std::string_view bytes, std::size_t at) {
 /// The chunks of a WAV or RF64 file (EBU Tech 3306).
 class RiffFile {
  public:
-  RiffFile(SoundBytes bytes, std::string name) : name_(std::move(name)), bytes_(bytes) {
+  explicit RiffFile(const FileBytes& bytes) : name_(bytes.name()), bytes_(bytes) {
     const std::string head = read(0, 12);
     kind_ = head.substr(0, 4);
     if (head.size() < 12 || (kind_ != "RIFF" && kind_ != "RF64" && kind_ != "BW64") || head.substr(8) != "WAVE")
@@ -50,7 +50,7 @@ class RiffFile {
       at = layout.next(chunk->begin, static_cast<std::int64_t>(chunk->length));
       chunks_.push_back(*chunk);
     }
-    bytes_.check(name_);
+    bytes_.check();
   }
 
   const std::vector<Chunk>& chunks() const { return chunks_; }
@@ -58,7 +58,7 @@ class RiffFile {
   const std::string& name() const { return name_; }
   std::string read(std::int64_t begin, std::uint64_t size) {
     std::string text = bytes_.text(begin, size);
-    bytes_.check(name_);
+    bytes_.check();
     return text;
   }
   std::string content(const Chunk& chunk) { return read(chunk.begin, chunk.length); }
@@ -77,7 +77,7 @@ class RiffFile {
 
  private:
   std::string name_, kind_;
-  SoundBytes bytes_;
+  FileBytes bytes_;
   std::vector<Chunk> chunks_;
 };
 
@@ -147,19 +147,15 @@ Annotations cues_of(RiffFile file) {
 
 }  // namespace
 
-Annotations read_cues(const std::filesystem::path& path) {
-  const ReadableFile file(path);
-  return cues_of({SoundBytes(file.descriptor()), file.name()});
-}
+Annotations read_cues(const std::filesystem::path& path) { return cues_of(RiffFile(FileBytes(path))); }
 
 Annotations parse_cues(std::span<const std::byte> bytes, const std::string& name) {
-  return cues_of({SoundBytes(bytes), name});
+  return cues_of(RiffFile(FileBytes(bytes, name)));
 }
 
 void copy_with_cues(const std::filesystem::path& recording, const Annotations& annotations,
                     const std::function<void(std::string_view)>& write, const std::string& name) {
-  const ReadableFile input(recording);
-  RiffFile file(SoundBytes(input.descriptor()), input.name());
+  RiffFile file{FileBytes(recording)};
   const std::string cues = cue_chunks(annotations, file.rate_hz(), name);
   std::vector<Chunk> chunks = file.chunks();
   std::erase_if(chunks, [&](const Chunk& chunk) { return file.is_cue_chunk(chunk); });

@@ -2,6 +2,7 @@
 /// Files: inputs that may be pipes, outputs that appear whole or not at all, and what is refused before work begins.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -23,25 +24,35 @@ std::string input_name(const std::filesystem::path& path);
 ///         Interrupted
 std::filesystem::path readable(const std::filesystem::path& path);
 
-/// The bytes of a file, a quarter of a megabyte at a time: they stay in the cache until they are used, and memory does
-/// not grow with the file.
+/// The bytes of a file, or of memory, read at any place. A copy is of the same file.
 class FileBytes {
  public:
-  /// @throws FileError where it cannot be read
+  /// An input (readable()), open as long as a copy of this lives. @throws FileError where it cannot be read;
+  /// Interrupted
   explicit FileBytes(const std::filesystem::path& path);
-  FileBytes(FileBytes&&) noexcept;
-  FileBytes& operator=(FileBytes&&) noexcept;
-  ~FileBytes();
+  /// @param descriptor  of a regular file open for reading; it stays the caller's
+  FileBytes(int descriptor, std::string name);
+  /// @param bytes  must outlive this
+  FileBytes(std::span<const std::byte> bytes, std::string name);
 
-  std::int64_t size() const;
-
-  /// Bytes first ... first + n - 1, until the next call.
-  /// @throws FileError where the file holds no such bytes, or no longer
-  std::span<const unsigned char> at(std::int64_t first, std::int64_t n);
+  /// For messages.
+  const std::string& name() const { return name_; }
+  int descriptor() const { return descriptor_; }
+  std::int64_t size() const { return size_; }
+  /// @return how many bytes were read: fewer than asked for at the end of the file, and where it cannot be read
+  std::int64_t read(std::int64_t first, std::span<std::byte> out);
+  /// At most n bytes from `first` on.
+  std::string text(std::int64_t first, std::size_t n);
+  /// @throws FileError where reading failed, with the system's reason
+  void check() const;
 
  private:
-  struct State;
-  std::unique_ptr<State> state_;
+  std::string name_;
+  std::shared_ptr<const void> opened_;  // closed with the last copy
+  int descriptor_ = -1;
+  std::span<const std::byte> memory_;
+  std::int64_t size_ = 0;
+  int error_ = 0;  // errno
 };
 
 /// A whole file as it is, for what is small. Streams of the standard library are no way to it: where memory is short
