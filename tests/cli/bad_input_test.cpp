@@ -18,7 +18,6 @@ TEST_F(BadInput, IsNamedWithItsPlace) {
   write("b.csv", "drop,t_s\n0,0.1\n0,0.3\n0,0.2\n");
   write("c.csv", "v_mps,eps\n1,high\n");
   write("d.csv", "drop,impact,t_s\n0,0,0.1\n");
-  write("e.jsonl", "{\"t_s\":0.1}\n\n\n{\"t_s\":0.3}\n{\"t_s\":0.2}\n");
   for (const auto& [arguments, words] : std::vector<std::pair<std::string, std::vector<std::string>>>{
            {"detect nothing.wav --out o.csv", {"nothing.wav"}},
            {"analyze nothing.wav --out out", {"nothing.wav"}},
@@ -27,8 +26,7 @@ TEST_F(BadInput, IsNamedWithItsPlace) {
            {"restitution a.csv --out s.csv", {"a.csv", "line 3", "t_s", "later"}},
            {"restitution b.csv --out s.csv", {"b.csv", "line 4", "another drop", "--as intervals"}},
            {"fit c.csv --out f.json", {"c.csv", "line 2", "high"}},
-           {"synthesize d.csv --out r.wav", {"d.csv", "line 1", "v_mps"}},
-           {"restitution e.jsonl --out s.csv", {"e.jsonl", "line 5"}}})
+           {"synthesize d.csv --out r.wav", {"d.csv", "line 1", "v_mps"}}})
     expect_refused(arguments, 3, words);
   write("noise.wav", float_wav(noise(3 * 44100, 0.01), 44100));
   expect_refused("detect noise.wav --out o.csv", 1, {"noise.wav"});
@@ -70,11 +68,14 @@ TEST_F(BadInput, OfManyRecordingsOneThatNeverEndsIsLostAndNoOther) {
   EXPECT_EQ(std::count(onsets.begin(), onsets.end(), '\n'), 1 + 12 + 11);
 }
 
-TEST_F(BadInput, Hdf5IsLeftToPandas) {
+TEST_F(BadInput, Hdf5AndJsonLinesAreLeftToPandas) {
   write("on.h5", "\x89HDF\r\n\x1a\n");
   for (const char* arguments : {"restitution on.h5 --out s.csv", "fit on.h5 --out f.json", "detect on.h5 --out o.csv",
                                 "simulate --drops 1 --impacts 3 --asperities 100 --out on.h5 --force"})
     expect_refused(arguments, 2, {"on.h5", "HDF5", ".csv", "pandas"});
+  write("o.jsonl", "{\"t_s\":0.1}\n{\"t_s\":0.2}\n");
+  for (const char* arguments : {"restitution o.jsonl --out s.csv", "o.jsonl", "convert o.jsonl --to n.jsonl --force"})
+    expect_refused(arguments, 2, {"o.jsonl", "JSON Lines", ".csv", "pandas.read_json"});
 }
 
 TEST_F(BadInput, WhatIsNoTableIsRefusedInAShortLine) {

@@ -137,7 +137,7 @@ TEST_F(ForeignFiles, ATableMayComeThroughAPipe) {
   const std::string german = "interval_ms;n\n600,5;1\n540,4;2\n486,3;3\n437,6;4\n393,9;5\n354,4;6\n";
   write("i.csv", german);
   write("i16.csv", utf16(german));
-  ASSERT_EQ(run("convert i.csv --to own.csv own.jsonl").exit_code, 0);
+  ASSERT_EQ(run("convert i.csv --to own.csv").exit_code, 0);
   write("own16.csv", utf16(content("own.csv")));
   const auto first_line = [](const std::string& text) { return text.substr(0, text.find('\n')); };
   const std::string answer = first_line(run("analyze i.csv --out file").out);
@@ -147,19 +147,19 @@ TEST_F(ForeignFiles, ATableMayComeThroughAPipe) {
     EXPECT_EQ(result.exit_code, 0) << command << ": " << result.err;
     return first_line(result.out);
   };
-  for (const std::string name : {"i.csv", "i16.csv", "own.csv", "own16.csv", "own.jsonl"}) {
+  for (const std::string name : {"i.csv", "i16.csv", "own.csv", "own16.csv"}) {
     EXPECT_EQ(piped("cat " + name + " | \"$B\" analyze - --out piped"), answer) << name;
     piped("cat " + name + " | \"$B\" convert - --to back.csv");
     EXPECT_THAT(content("back.csv"), HasSubstr("0.6005")) << name;
     piped("cat " + name + " | \"$B\" restitution - --out s.csv");
   }
-  for (const std::string command : {"analyze <(cat i.csv)", "<(cat own16.csv)", "analyze /dev/stdin <own.jsonl"})
+  for (const std::string command : {"analyze <(cat i.csv)", "<(cat own16.csv)", "analyze /dev/stdin <own.csv"})
     EXPECT_EQ(piped("\"$B\" " + command + " --out piped"), answer) << command;
-  ASSERT_EQ(run("restitution own.csv --out s.jsonl").exit_code, 0);
+  ASSERT_EQ(run("restitution own.csv --out s.csv --force").exit_code, 0);
   write("s16.csv", utf16(content("s.csv")));
   write("e.csv", "v_mps;eps\n2,9;0,90\n2,6;0,90\n2,4;0,90\n2,1;0,91\n1,9;0,90\n");
   write("e16.csv", utf16(content("e.csv")));
-  for (const std::string name : {"s.csv", "s16.csv", "s.jsonl", "e.csv", "e16.csv"}) {
+  for (const std::string name : {"s.csv", "s16.csv", "e.csv", "e16.csv"}) {
     piped("cat " + name + " | \"$B\" fit - --out piped.json");
     EXPECT_EQ(run("fit " + name + " --out file.json --force").exit_code, 0);
     EXPECT_EQ(Json(content("piped.json"))["answer"].dump(), Json(content("file.json"))["answer"].dump()) << name;
@@ -257,7 +257,7 @@ TEST_F(ForeignFiles, AQuestionIsAnsweredByACommandThatItPrints) {
               "    A (s)   0.400000  1.000000  1.510000 ...", 2},
         Asked{"fall.csv --out fall --force", "do not rise", "    1  0.6  0.51  0.4335 ...", 2},
         Asked{"analyze columns.csv --out columns --force --json", "no title has a unit", "    Höhe  0  0  0 ...", 1},
-        Asked{"convert trial.csv --to trial.jsonl --force", "'trial' changes", "    trial     1  1  1 ...", 2},
+        Asked{"convert trial.csv --to own.csv --force", "'trial' changes", "    trial     1  1  1 ...", 2},
         Asked{"fit speeds.csv --out f.json --force", "which columns are", "    e         0,85  0,86  0,85 ...", 1}}) {
     SCOPED_TRACE(c.command);
     const Result result = run(c.command);

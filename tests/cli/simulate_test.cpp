@@ -6,14 +6,13 @@ namespace {
 
 using SimulateCommand = ProgramTest;
 
-TEST_F(SimulateCommand, TakesASurfaceFromCsvAndJsonLinesAlikeAndGivesTheSameImpacts) {
-  ASSERT_EQ(run("simulate --drops 2 --asperities 2000 --out a.csv --write-surface s.csv").exit_code, 0);
-  ASSERT_EQ(run("simulate --drops 2 --asperities 2000 --out a.jsonl --write-surface s.jsonl").exit_code, 0);
-  ASSERT_EQ(run("simulate --drops 2 --surface s.csv --out b.csv").exit_code, 0);
-  ASSERT_EQ(run("simulate --drops 2 --surface s.jsonl --out c.csv").exit_code, 0);
-  // normalised once more on reading, so not byte for byte as drawn; but alike from both files
-  EXPECT_EQ(content("b.csv"), content("c.csv"));
-  EXPECT_THAT(files(), testing::Contains("a.jsonl.meta.json"));
+TEST_F(SimulateCommand, TakesTheSurfaceThatItWrote) {
+  ASSERT_EQ(run("simulate --drops 2 --impacts 3 --asperities 2000 --out a.csv --write-surface s.csv").exit_code, 0);
+  ASSERT_EQ(run("simulate --drops 2 --impacts 3 --surface s.csv --out b.csv").exit_code, 0);
+  // normalised once more on reading: the last digits of a direction change, and a bounce or two makes little of them
+  const std::vector<double> drawn = *read_csv(folder_ / "a.csv", {{"t_s"}}).reals("t_s");
+  EXPECT_THAT(*read_csv(folder_ / "b.csv", {{"t_s"}}).reals("t_s"),
+              testing::Pointwise(testing::DoubleNear(1e-9), drawn));
 }
 
 TEST_F(SimulateCommand, GivesTablesOfPartsThatConcatenateToTheTableOfTheWhole) {

@@ -21,14 +21,15 @@ class Synthesize : public ProgramTest {
   }
 };
 
-TEST_F(Synthesize, ManyDropsWithTheRobotsCycleInOneRecordingAndTheTruthBeside) {
+TEST_F(Synthesize, ManyDropsAndKnocksInOneRecordingAndTheTruthBeside) {
   write_drops("i.csv", 200);
-  const Result result = run("synthesize i.csv --out r.wav --rate 8000 --max-mode 2000 --robot --pause 2 --json");
+  const Result result =
+      run("synthesize i.csv --out r.wav --rate 8000 --max-mode 2000 --double-hits 1 --pause 2 --json");
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_THAT(result.out, testing::HasSubstr("\"n_impacts\": 600"));
-  EXPECT_THAT(result.out, testing::HasSubstr("\"n_other_sounds\": 800"));  // release, fan, pick-up, motor
+  EXPECT_THAT(result.out, testing::HasSubstr("\"n_other_sounds\": 600"));  // a knock after each
   EXPECT_EQ(n_lines("r.truth.csv"), 601u);
-  EXPECT_EQ(n_lines("r.others.csv"), 801u);
+  EXPECT_EQ(n_lines("r.others.csv"), 601u);
   // 0.5 s, then 200 times 0.3 s and a pause of 2 s, 3 bytes a sample
   EXPECT_NEAR(static_cast<double>(fs::file_size(folder_ / "r.wav")), (0.5 + 200 * 2.3) * 8000 * 3, 1000);
 }
@@ -45,7 +46,7 @@ TEST_F(Synthesize, BadInputIsRefusedByValue) {
   EXPECT_NE(content("--reverberation.wav"), content("--reverberation-time.wav"));
   expect_refused("synthesize i.csv --out r.mp3", 2, {".mp3", ".wav"});
   expect_refused("synthesize i.csv --out r.wav --together 2 --each-drop", 2, {"together", "2"});
-  expect_refused("synthesize i.csv --out r.wav --robot", 2, {"pause_s", "1"});
+  expect_refused("synthesize i.csv --out r.wav --robot", 2, {"--robot", "--knocks"});
   write("long.csv", "drop,impact,t_s,v_mps,v_after_mps\n0,0,0.1,1,0.9\n0,1,1e9,0.9,0.8\n");
   expect_refused("synthesize long.csv --out r.wav", 2, {"drop 0, impact 1", "no drop lasts longer"});
   write("none.csv", "drop,impact,t_s,v_mps,v_after_mps\n");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/// Tables in pieces, in each of the two formats.
+/// Tables in pieces.
 #include "stages/files/table_file.hpp"
 
 #include <gtest/gtest.h>
@@ -39,10 +39,10 @@ std::string text_of(const Table& table) {
   return text.str();
 }
 
-class TableFile : public testing::TestWithParam<const char*> {
+class TableFile : public testing::Test {
  protected:
   test::TemporaryFolder folder_;
-  const fs::path path_ = folder_ / (std::string("a") + GetParam());
+  const fs::path path_ = folder_ / "a.csv";
   stages::Run run_;
 
   TableFile() { run_.common.force = true; }
@@ -54,7 +54,7 @@ class TableFile : public testing::TestWithParam<const char*> {
   }
 };
 
-TEST_P(TableFile, IsTheSameBytesInWhateverPiecesAndOrderItIsWritten) {
+TEST_F(TableFile, IsTheSameBytesInWhateverPiecesAndOrderItIsWritten) {
   write_table(run_, path_, rows_of(0, kRows));
   const std::string whole = content();
   constexpr std::size_t kPieces = 9;  // the second is empty
@@ -70,29 +70,25 @@ TEST_P(TableFile, IsTheSameBytesInWhateverPiecesAndOrderItIsWritten) {
   }
 }
 
-TEST_P(TableFile, IsTheSameRowsInWhateverPiecesItIsRead) {
+TEST_F(TableFile, IsTheSameRowsInWhateverPiecesItIsRead) {
   write_table(run_, path_, rows_of(0, kRows));
   const std::string whole = text_of(read_table(path_, kColumns));
   EXPECT_TRUE(whole == text_of(rows_of(0, kRows)));
   for (const std::size_t piece : {std::size_t{999}, kPiece_rows, kRows, 2 * kRows}) {
-    const auto reader = open_table(path_, kColumns);
-    Table all = reader->next(piece);
-    for (Table rows = reader->next(piece); rows.n_rows() > 0; rows = reader->next(piece)) all.append(rows);
+    TableReader reader = open_table(path_, kColumns);
+    Table all = reader.next(piece);
+    for (Table rows = reader.next(piece); rows.n_rows() > 0; rows = reader.next(piece)) all.append(rows);
     EXPECT_TRUE(text_of(all) == whole) << piece;
-    EXPECT_EQ(reader->next(piece).n_rows(), 0U);
+    EXPECT_EQ(reader.next(piece).n_rows(), 0U);
   }
 }
 
-TEST_P(TableFile, IsLeftAloneWithoutTheLastPiece) {
+TEST_F(TableFile, IsLeftAloneWithoutTheLastPiece) {
   write_table(run_, path_, rows_of(0, 10));
   const std::string before = content();
   { TableWriter(run_, path_).add(rows_of(0, kRows)); }
   EXPECT_TRUE(content() == before);
 }
-
-std::string name_of(const testing::TestParamInfo<const char*>& info) { return info.param + 1; }
-
-INSTANTIATE_TEST_SUITE_P(Format, TableFile, testing::Values(".csv", ".jsonl"), name_of);
 
 }  // namespace
 }  // namespace bouncelab::stages

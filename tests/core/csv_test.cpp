@@ -104,7 +104,7 @@ TEST(Csv, LinesAreCountedThroughQuotedLineBreaks) {
 
 TEST(Csv, LinesAreCountedOnInTheNextPiece) {
   std::istringstream in("a\n1\n\n\"2\"\n\n3\n");
-  CsvReader reader(in, "a.csv", {{"a"}});
+  TableReader reader(in, "a.csv", {{"a"}});
   EXPECT_EQ(reader.next(1).place_of(0), "line 2");
   EXPECT_EQ(reader.next(1).place_of(0), "line 4");
   EXPECT_EQ(reader.next(5).place_of(0), "line 6");

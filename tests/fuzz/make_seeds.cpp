@@ -18,7 +18,6 @@
 #include "bouncelab/core/samples.hpp"
 #include "bouncelab/core/table.hpp"
 #include "bouncelab/sim/surface.hpp"
-#include "stages/files/table_reader.hpp"
 
 namespace {
 using namespace bouncelab;
@@ -90,12 +89,7 @@ std::string csv(const Table& table) {
 }
 
 void write_tables(const Seeds& seeds) {
-  for (const auto& [name, table] : tables()) {
-    seeds.write("csv", name, csv(table));
-    std::ostringstream json_lines;
-    stages::write_json_lines(json_lines, table);
-    seeds.write("json_lines", name, json_lines.str());
-  }
+  for (const auto& [name, table] : tables()) seeds.write("csv", name, csv(table));
   for (const char* law : {"constant", "uniform", "normal", "lognormal", "exponential"}) {
     const sim::RadiusLaw radii = sim::radius_law_from_text(law);
     seeds.write("surface", law, to_text(radii));

@@ -208,13 +208,11 @@ class Tables(Case):
         frame.to_csv(self.path("pandas.csv"), index=False)
         np.testing.assert_array_equal(bl.restitution(self.path("pandas.csv")).eps, self.samples.eps)
 
-    def test_files_of_every_format(self):
-        for name in ("o.csv", "o.jsonl"):
-            with self.subTest(name):
-                self.onsets.to_csv(self.path(name))
-                again = bl.Onsets.from_csv(self.path(name))
-                for column in self.onsets:
-                    np.testing.assert_array_equal(again[column], self.onsets[column])
+    def test_a_table_comes_back_from_its_file(self):
+        self.onsets.to_csv(self.path("o.csv"))
+        again = bl.Onsets.from_csv(self.path("o.csv"))
+        for column in self.onsets:
+            np.testing.assert_array_equal(again[column], self.onsets[column])
 
     def test_files_of_other_programs(self):
         with open(self.path("t.csv"), "w") as file:

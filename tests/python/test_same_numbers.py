@@ -40,8 +40,8 @@ class Stages(Case):
         program("simulate", out=self.path("i.csv"), **of_ball)
         impacts = bl.simulate(**of_ball)
         for keywords in (dict(channel=["0.05,0.02", "-0.05,0.02,0,0.5"]),
-                         dict(bits="float", hum=0.5, clicks=2.0, knocks=1.0, double_hits=0.3, drift=0.1, robot=True,
-                              pause=2.5, noise_corner=100.0, timbre_wander=0.1, phase_wander=0.2, snr_db=20.0, seed=3)):
+                         dict(bits="float", hum=0.5, clicks=2.0, knocks=1.0, double_hits=0.3, drift=0.1, pause=2.5,
+                              noise_corner=100.0, timbre_wander=0.1, phase_wander=0.2, snr_db=20.0, seed=3)):
             program("synthesize", self.path("i.csv"), out=self.path("s.wav"), force=True, **keywords, **LOUD)
             sound = bl.synthesize(impacts, name=self.path("s.wav"), **keywords, **LOUD)
             self.assert_same_columns(sound.truth.to_dict(), self.path("s.truth.csv"))

@@ -56,12 +56,12 @@ fit::RestitutionCounts restitution_of_files(const std::vector<std::filesystem::p
   RecordingNames names;
   for (const std::filesystem::path& file : files) {
     names.begin(file);
-    const std::unique_ptr<TableReader> reader = open_onsets(file, foreign, taken_for);
+    TableReader reader = open_onsets(file, foreign, taken_for);
     std::optional<Onset> before;
     DropsInTurn drops;
     for (bool at_end = false; !at_end;) {
       throw_if_stop_requested();
-      const Table table = reader->next(kPiece_rows);
+      const Table table = reader.next(kPiece_rows);
       at_end = table.n_rows() < kPiece_rows;
       drops.check(table, input_name(file));
       Onsets rows = onsets_from_table(table, input_name(file), before ? &*before : nullptr);

@@ -55,13 +55,11 @@ class FileDrops {
   }
   /// Appends a piece to what is left of the one before.
   void read_more() {
-    const Table table = reader_->next(kPiece_rows);
+    const Table table = reader_.next(kPiece_rows);
     at_end_ = table.n_rows() < kPiece_rows;
     if (table.n_rows() == 0) return;
     const Impact* before = rows_.rows.empty() ? nullptr : &rows_.rows.back();
     const Impacts more = impacts_from_table(table, name_, before);
-    if (before && more.states.empty() != rows_.states.empty())
-      throw FileError(name_, table.place_of(0) + ": positions, velocities and spins must be in all rows or in none");
     if (first_ > 0) rows_ = stretch(first_, rows_.rows.size());
     first_ = 0;
     rows_.rows.insert(rows_.rows.end(), more.rows.begin(), more.rows.end());
@@ -69,7 +67,7 @@ class FileDrops {
   }
 
   std::string name_;
-  std::unique_ptr<TableReader> reader_;
+  TableReader reader_;
   Impacts rows_;
   std::size_t first_ = 0;
   bool at_end_ = false;

@@ -218,7 +218,7 @@ std::string joined(const std::vector<std::string>& cells) {
 
 }  // namespace
 
-struct CsvReader::State {
+struct TableReader::State {
   struct Source {
     std::size_t cell, column;  // position in the line and in the table
   };
@@ -274,15 +274,25 @@ struct CsvReader::State {
   }
 };
 
-CsvReader::CsvReader(std::istream& in, const std::string& name, const std::vector<ColumnSpec>& wanted)
+TableReader::TableReader(std::istream& in, const std::string& name, const std::vector<ColumnSpec>& wanted)
     : state_(std::make_unique<State>(in, name, wanted)) {}
-CsvReader::CsvReader(const std::filesystem::path& path, const std::vector<ColumnSpec>& wanted)
+TableReader::TableReader(const std::filesystem::path& path, const std::vector<ColumnSpec>& wanted)
     : state_(std::make_unique<State>(open_text(path), input_name(path), wanted)) {}
-CsvReader::CsvReader(CsvReader&&) noexcept = default;
-CsvReader& CsvReader::operator=(CsvReader&&) noexcept = default;
-CsvReader::~CsvReader() = default;
+TableReader::TableReader(Table table) : in_memory_(std::move(table)) {}
+TableReader::TableReader(TableReader&&) noexcept = default;
+TableReader& TableReader::operator=(TableReader&&) noexcept = default;
+TableReader::~TableReader() = default;
 
-Table CsvReader::next(std::size_t max_rows) {
+Table TableReader::next(std::size_t max_rows) {
+  if (!state_) {
+    Table empty;
+    for (const Column& column : in_memory_.columns)
+      empty.columns.push_back(
+          {column.name,
+           std::visit([](const auto& values) -> decltype(column.values) { return std::decay_t<decltype(values)>{}; },
+                      column.values)});
+    return std::exchange(in_memory_, std::move(empty));
+  }
   Table table = state_->empty;
   std::vector<std::string> cells;
   for (std::size_t row = 0; row < max_rows && state_->rows.next(cells); ++row) {
@@ -293,11 +303,11 @@ Table CsvReader::next(std::size_t max_rows) {
 }
 
 Table read_csv(std::istream& in, const std::string& name, const std::vector<ColumnSpec>& wanted) {
-  return CsvReader(in, name, wanted).next(std::numeric_limits<std::size_t>::max());
+  return TableReader(in, name, wanted).next(std::numeric_limits<std::size_t>::max());
 }
 
 Table read_csv(const std::filesystem::path& path, const std::vector<ColumnSpec>& wanted) {
-  return CsvReader(path, wanted).next(std::numeric_limits<std::size_t>::max());
+  return TableReader(path, wanted).next(std::numeric_limits<std::size_t>::max());
 }
 
 namespace {

@@ -221,9 +221,6 @@ TEST(SynthesisBadInput, IsRefusedByNameAndValue) {
   away.states.resize(1);
   away.states[0].position_m = {0.16, 0.0, 0.003};
   EXPECT_THAT(refusal(away, good), testing::HasSubstr("x = 0.16"));
-  config = good;
-  config.disturbances.robot_cycle = true;
-  EXPECT_THAT(refusal(impacts({0.1}), config), testing::HasSubstr("pause_s"));
 }
 
 }  // namespace

@@ -286,7 +286,7 @@ TEST(Synthesis, DisturbancesAreThereAtTimesOfTheSeedAndLeaveTheTruthAlone) {
   config.pause_s = 3.0;
   const Impacts three = impacts({0.1, 0.3, 0.5});
   const SyntheticRecording plain(three, config);
-  config.disturbances = {0.5, 50.0, 0.2, 3.0, 2.0, 1.0, true, 0.0, 0.0};
+  config.disturbances = {0.5, 50.0, 0.2, 3.0, 2.0, 1.0, 0.0, 0.0};
   const SyntheticRecording rough(three, config);
   ASSERT_EQ(rough.truth().size(), 3u);
   for (std::size_t k = 0; k < 3; ++k) EXPECT_EQ(rough.truth()[k].t_s, plain.truth()[k].t_s);
@@ -294,10 +294,6 @@ TEST(Synthesis, DisturbancesAreThereAtTimesOfTheSeedAndLeaveTheTruthAlone) {
     return std::count_if(rough.others().begin(), rough.others().end(), [&](const auto& o) { return o.kind == kind; });
   };
   EXPECT_GE(n_of(OtherSoundKind::knock), 3) << "every impact has its double hit";
-  EXPECT_EQ(n_of(OtherSoundKind::release), 1);
-  EXPECT_EQ(n_of(OtherSoundKind::fan), 1);
-  EXPECT_EQ(n_of(OtherSoundKind::motor), 1);
-  EXPECT_EQ(n_of(OtherSoundKind::pickup), 1);
   EXPECT_GT(n_of(OtherSoundKind::click), 0);
   EXPECT_TRUE(plain.others().empty());
   EXPECT_EQ(rough.samples(), rough.samples());

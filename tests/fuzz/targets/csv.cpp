@@ -19,7 +19,7 @@ Table read_back(const Table& table, const std::vector<ColumnSpec>& wanted) {
 /// In pieces of a few rows.
 Table read_in_pieces(const std::string& text, const std::vector<ColumnSpec>& wanted) {
   std::istringstream in(text);
-  CsvReader reader(in, "input", wanted);
+  TableReader reader(in, "input", wanted);
   constexpr std::size_t kRows = 3;
   Table whole = reader.next(kRows);
   for (Table piece = reader.next(kRows); piece.n_rows() > 0; piece = reader.next(kRows)) whole.append(piece);

@@ -29,30 +29,30 @@ namespace fs = std::filesystem;
 enum class Format { table, audacity, sonic_visualiser, praat, cues };
 
 Format format_of(const fs::path& path) {
-  refuse_hdf5(path);
+  refuse_no_csv(path);
   std::string extension = path.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  if (extension == ".csv" || is_json_lines(path)) return Format::table;
+  if (extension == ".csv") return Format::table;
   if (extension.empty() && (path == "-" || path.native().starts_with("/dev/"))) return Format::table;  // no name tells
   if (extension == ".txt") return Format::audacity;
   if (extension == ".svl") return Format::sonic_visualiser;
   if (extension == ".textgrid") return Format::praat;
   if (extension == ".wav" || extension == ".rf64") return Format::cues;
   throw InvalidArgument(path.string() + ": no format has the extension '" + extension +
-                        "'; use .csv, .jsonl, .txt (Audacity), .svl, .TextGrid or .wav");
+                        "'; use .csv, .txt (Audacity), .svl, .TextGrid or .wav");
 }
 
 /// The onsets of a table, in pieces; with --recording those of this recording alone.
 template <class Take>
 void for_each_piece(const ConvertOptions& options, std::vector<std::string>& taken_for, Take take) {
   const std::string name = input_name(options.input);
-  const std::unique_ptr<TableReader> reader = open_onsets(options.input, options.foreign, taken_for);
+  TableReader reader = open_onsets(options.input, options.foreign, taken_for);
   std::optional<Onset> before;
   bool is_empty = true;
   for (bool at_end = false; !at_end;) {
     throw_if_stop_requested();
-    const Table table = reader->next(kPiece_rows);
+    const Table table = reader.next(kPiece_rows);
     at_end = table.n_rows() < kPiece_rows;
     Onsets onsets = onsets_from_table(table, name, before ? &*before : nullptr);
     if (!onsets.empty()) before = onsets.back();

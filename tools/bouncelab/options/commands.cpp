@@ -101,8 +101,8 @@ Command loop_command() {
 Command simulate_command() {
   using O = SimulateOptions;
   static constexpr Member files[]{
-      member<&O::out>("out", "Impacts, .csv or .jsonl").writes("FILE").required(),
-      member<&O::write_surface>("write_surface", "Write the asperities, .csv or .jsonl").writes("FILE")};
+      member<&O::out>("out", "Impacts, .csv").writes("FILE").required(),
+      member<&O::write_surface>("write_surface", "Write the asperities, .csv").writes("FILE")};
   auto options = std::make_shared<O>();
   return {"simulate",
           "Drop a rough ball: impact times, velocities, asperities",
@@ -125,7 +125,7 @@ Command simulate_command() {
 Command synthesize_command() {
   using O = SynthesizeOptions;
   static constexpr Member files[]{
-      member<&O::impacts>("impacts", "Impacts: FILE.csv or FILE.jsonl").required().positional(),
+      member<&O::impacts>("impacts", "Impacts: FILE.csv").required().positional(),
       member<&O::out>("out", "Sound: .wav (RF64 above 4 GiB), .flac, .w64 or .rf64").writes("FILE").required(),
       member<&O::truth>("truth", "True onsets (default OUT without its extension + .truth.csv)").writes("FILE"),
       member<&O::each_drop>("each_drop", "One file for each drop: NAME.0000.wav, NAME.0001.wav ...")};
@@ -318,7 +318,7 @@ Command convert_command() {
   auto options = std::make_shared<O>();
   return {"convert",
           "Onsets to marks that sound editors show, and marks corrected there back to onsets.\n"
-          "Written by extension: .csv, .jsonl (JSON Lines); .txt (Audacity labels), .svl (Sonic Visualiser), .TextGrid "
+          "Written by extension: .csv; .txt (Audacity labels), .svl (Sonic Visualiser), .TextGrid "
           "(Praat), .wav, .rf64 (cue points in a copy of the recording). Labels hold all that is known of an onset "
           "(Audacity's in FILE.txt.onsets.csv beside them), so nothing is lost. A mark that was moved by more than the "
           "format resolves (Audacity 0.5 us; .svl and cues half a sample; .TextGrid 1 ns), or made, counts as it "

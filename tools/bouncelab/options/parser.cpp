@@ -146,6 +146,8 @@ class Parser {
       if (argument.rfind("--", 0) != 0) continue;
       const std::string name = argument.substr(0, argument.find('='));
       if (std::find(names.begin(), names.end(), name) != names.end()) continue;
+      if (name == "--robot")
+        return "'--robot' is no option any more; --knocks, --clicks and --speech sound between the drops";
       const std::string nearest = nearest_name(name, names);
       return "unknown option '" + name + "'" + (nearest.empty() ? "" : "; did you mean '" + nearest + "'?");
     }

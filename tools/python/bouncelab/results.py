@@ -86,7 +86,7 @@ class Table(Mapping[str, Any]):
     @classmethod
     def from_csv(cls, path: Path, *, taken_as: str = "auto", unit: str = "auto", columns: str = "",
                  tier: str = "") -> Any:
-        """Reads a table as the command line writes it (.csv or .jsonl); as `Onsets` also marks of sound editors and
+        """Reads a table as the command line writes it (.csv); as `Onsets` also marks of sound editors and
         times or intervals of any program, as `Samples` also speeds and coefficients from elsewhere. What such a file
         was taken for is in ``summary["taken_for"]``; where it does not prove that, a ValueError has the question and the
         keywords of each answer.
@@ -109,12 +109,12 @@ class Table(Mapping[str, Any]):
         return cls(found, summary={"taken_for": taken_for} if taken_for else None)
 
     def to_csv(self, path: Path, force: bool = False) -> None:
-        """Writes the table as the command line does, whole or not at all; the extension chooses the format.
+        """Writes the table as the command line does, whole or not at all.
 
         Parameters
         ----------
         path : str or path
-            .csv or .jsonl.
+            .csv.
         force : bool, default False
             Replace a file that exists.
         """

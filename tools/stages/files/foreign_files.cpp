@@ -45,38 +45,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// A table that is in memory already, as one piece after the other.
-class TableInMemory final : public TableReader {
- public:
-  explicit TableInMemory(Table table) : table_(std::move(table)) {}
-
-  Table next(std::size_t max_rows) override {
-    if (at_ == 0 && table_.n_rows() <= max_rows) {
-      at_ = table_.n_rows();
-      return std::exchange(table_, {});
-    }
-    Table piece;
-    const std::size_t end = std::min(table_.n_rows(), at_ + std::min(max_rows, table_.n_rows()));
-    piece.n_before = at_;
-    for (const Column& column : table_.columns)
-      piece.columns.push_back(std::visit(
-          [&](const auto& values) {
-            using Values = std::decay_t<decltype(values)>;
-            const auto from = values.begin();
-            return Column{column.name,
-                          Values(from + static_cast<std::ptrdiff_t>(at_), from + static_cast<std::ptrdiff_t>(end)),
-                          column.decimals};
-          },
-          column.values));
-    at_ = end;
-    return piece;
-  }
-
- private:
-  Table table_;
-  std::size_t at_ = 0;
-};
-
 std::string head_of(const fs::path& path) {
   std::ifstream in(readable(path), std::ios::binary);
   std::string head(audio::kHeadOfTimes_bytes, '\0');
@@ -107,8 +75,8 @@ bool is_file(const fs::path& path) {
 }
 
 bool may_be_foreign(const fs::path& path) {
-  refuse_hdf5(path);
-  return is_file(path) && !holds_json_lines(path);
+  refuse_no_csv(path);
+  return is_file(path);
 }
 
 /// Marks of a sound editor, with what is known of them beside labels of Audacity.
@@ -126,7 +94,7 @@ std::string line_of(const fs::path& path, const std::string& taken_for) {
 
 }  // namespace
 
-std::unique_ptr<TableReader> open_onsets(const fs::path& path, const ForeignFileOptions& options,
+TableReader open_onsets(const fs::path& path, const ForeignFileOptions& options,
                                          std::vector<std::string>& taken_for) {
   const ForeignOptions& said = options.table;
   if (!may_be_foreign(path) || (!said.tells() && audio::is_own_table(decoded_head(path))))
@@ -136,24 +104,24 @@ std::unique_ptr<TableReader> open_onsets(const fs::path& path, const ForeignFile
       if (!options.recording.empty()) marks->recording = options.recording;
       if (!marks->taken_for.empty()) taken_for.push_back(line_of(path, marks->taken_for));
       const Onsets onsets = audio::onsets_of(*std::move(marks), options.renumber, input_name(path));
-      return std::make_unique<TableInMemory>(to_table(onsets));
+      return TableReader(to_table(onsets));
     }
   }
   const std::string name = input_name(path);
   const std::string text = decoded_text(whole_content(path), name);
   TakenTable taken = onsets_from_foreign(read_foreign_table(text, name, said), name, said);
   taken_for.push_back(line_of(path, taken.taken_for));
-  return std::make_unique<TableInMemory>(std::move(taken.table));
+  return TableReader(std::move(taken.table));
 }
 
 Onsets read_onsets(const fs::path& path, const ForeignFileOptions& options, std::vector<std::string>& taken_for) {
-  const auto reader = open_onsets(path, options, taken_for);
-  const Table table = reader->next(std::numeric_limits<std::size_t>::max());
+  auto reader = open_onsets(path, options, taken_for);
+  const Table table = reader.next(std::numeric_limits<std::size_t>::max());
   DropsInTurn().check(table, input_name(path));
   return onsets_from_table(table, input_name(path));
 }
 
-std::unique_ptr<TableReader> open_samples(const fs::path& path, const ForeignOptions& options,
+TableReader open_samples(const fs::path& path, const ForeignOptions& options,
                                           std::vector<std::string>& taken_for) {
   if (!may_be_foreign(path) || (!options.tells() && has_columns(decoded_head(path), {"v_mps", "eps"})))
     return open_table(path, sample_columns());
@@ -163,7 +131,7 @@ std::unique_ptr<TableReader> open_samples(const fs::path& path, const ForeignOpt
   taken_for.push_back(line_of(path, taken.taken_for));
   if (options.columns.find("v_in=") != std::string::npos)  // of which nobody states an error
     taken.table.columns.push_back({"measured", std::vector<std::string>(taken.table.n_rows(), kOfDigits)});
-  return std::make_unique<TableInMemory>(std::move(taken.table));
+  return TableReader(std::move(taken.table));
 }
 
 bool holds_speeds(const fs::path& path, const ForeignOptions& options) {
@@ -186,7 +154,6 @@ bool holds_speeds(const fs::path& path, const ForeignOptions& options) {
 
 bool holds_times(const fs::path& path, bool has_rate) {
   if (has_rate || !is_file(path)) return false;
-  if (holds_json_lines(path)) return true;
   const std::string head = head_of(path);
   if (!workbook_in(head).empty()) throw FileError(input_name(path), std::string(workbook_in(head)));
   if (fs::file_size(readable(path)) > audio::kLongestOfTimes_bytes && !audio::is_own_table(head)) return false;

@@ -2,14 +2,13 @@
 #pragma once
 
 #include <filesystem>
-#include <memory>
 #include <string>
 #include <vector>
 
 #include "bouncelab/audio/annotations.hpp"
 #include "bouncelab/core/onsets.hpp"
+#include "bouncelab/core/table.hpp"
 #include "stage_options/options.hpp"
-#include "stages/files/table_reader.hpp"
 #include "stages/run.hpp"
 
 namespace bouncelab::stages {
@@ -37,14 +36,14 @@ audio::Annotations read_label_track(const std::filesystem::path& path, const std
 /// Visualiser, Praat, cue points of a WAV file), and times or intervals in a table of another program, at once.
 /// @param taken_for  a line is added where the file is not ours
 /// @throws FileError, InvalidArgument
-std::unique_ptr<TableReader> open_onsets(const std::filesystem::path& path, const ForeignFileOptions& options,
+TableReader open_onsets(const std::filesystem::path& path, const ForeignFileOptions& options,
                                          std::vector<std::string>& taken_for);
 /// All of them. @throws FileError, InvalidArgument
 Onsets read_onsets(const std::filesystem::path& path, const ForeignFileOptions& options,
                    std::vector<std::string>& taken_for);
 
 /// Coefficients of restitution and speeds: a table as restitution writes it, in pieces, or another's, at once.
-std::unique_ptr<TableReader> open_samples(const std::filesystem::path& path, const ForeignOptions& options,
+TableReader open_samples(const std::filesystem::path& path, const ForeignOptions& options,
                                           std::vector<std::string>& taken_for);
 
 /// Does a table hold speeds, with coefficients of restitution or with the speeds after the bounces, rather than times?

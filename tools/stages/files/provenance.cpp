@@ -27,7 +27,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Object object_of(const Parameters& parameters) {
+Object object_of_parameters(const Parameters& parameters) {
   Object object;
   for (const Parameter& p : parameters)
     object.emplace_back(p.name, p.values.size() == 1 ? Value(p.values.front()) : Value(p.values));
@@ -252,7 +252,7 @@ std::string provenance(const Run& run, const std::vector<fs::path>& inputs, cons
               {"inputs", files}};
   if (!sha256.empty()) meta.emplace_back("sha256", sha256);
   if (std::string ffmpeg = audio::ffmpeg_version_used(); !ffmpeg.empty()) meta.emplace_back("ffmpeg", ffmpeg);
-  meta.emplace_back("parameters", object_of(run.parameters));
+  meta.emplace_back("parameters", object_of_parameters(run.parameters));
   return json_text(meta, 2) + "\n";
 }
 

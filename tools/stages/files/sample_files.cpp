@@ -109,8 +109,8 @@ struct SampleFile {
 RestitutionSamples read_one(const fs::path& path, const std::string& columns, std::vector<std::string>& taken_for) {
   ForeignOptions options;
   options.columns = columns;
-  const auto reader = open_samples(path, options, taken_for);
-  const Table table = reader->next(std::numeric_limits<std::size_t>::max());
+  TableReader reader = open_samples(path, options, taken_for);
+  const Table table = reader.next(std::numeric_limits<std::size_t>::max());
   DropsInTurn().check(table, input_name(path));
   return samples_from_table(table, input_name(path));
 }
@@ -173,10 +173,10 @@ void cut_file(const fs::path& path, RecordingNames& names, std::vector<std::stri
               const TakeRecording& take) {
   const std::string name = input_name(path);
   Cutter cutter(name, names, take);
-  const std::unique_ptr<TableReader> reader = open_samples(path, {}, taken_for);
+  TableReader reader = open_samples(path, {}, taken_for);
   DropsInTurn drops;
   for (bool at_end = false; !at_end;) {
-    const Table piece = reader->next(kPiece_rows);
+    const Table piece = reader.next(kPiece_rows);
     drops.check(piece, name);
     at_end = piece.n_rows() < kPiece_rows;
     cutter.add(samples_from_table(piece, name));

@@ -13,49 +13,22 @@
 namespace bouncelab::stages {
 namespace fs = std::filesystem;
 
-namespace {
-
-class CsvTable final : public TableReader {
- public:
-  CsvTable(const fs::path& path, const std::vector<ColumnSpec>& wanted) : reader_(path, wanted) {}
-  Table next(std::size_t max_rows) override { return reader_.next(max_rows); }
-
- private:
-  CsvReader reader_;
-};
-
-/// The k-th piece of a table as text.
-void write_piece(std::ostream& out, bool as_json_lines, std::size_t k, const Table& rows) {
-  if (as_json_lines)
-    write_json_lines(out, rows);
-  else if (k == 0)
-    write_csv(out, rows);
-  else
-    write_csv_rows(out, rows);
-}
-
-}  // namespace
-
-void refuse_hdf5(const fs::path& path) {
+void refuse_no_csv(const fs::path& path) {
   if (path.extension() == ".h5" || path.extension() == ".hdf5")
+    throw InvalidArgument(path.string() + ": bouncelab knows no HDF5; tables are .csv, which pandas converts");
+  if (path.extension() == ".jsonl")
     throw InvalidArgument(path.string() +
-                          ": bouncelab knows no HDF5; tables are .csv or .jsonl, which pandas converts");
+                          ": bouncelab knows no JSON Lines any more; tables are .csv, which pandas makes of them: "
+                          "pandas.read_json(FILE, lines=True).to_csv(OUT, index=False)");
 }
 
-bool is_json_lines(const fs::path& path) { return path.extension() == ".jsonl"; }
-
-bool holds_json_lines(const fs::path& path) {
-  return is_json_lines(path) || (path.extension().empty() && open_text(path).peek() == '{');
-}
-
-std::unique_ptr<TableReader> open_table(const fs::path& path, const std::vector<ColumnSpec>& wanted) {
-  refuse_hdf5(path);
-  if (holds_json_lines(path)) return json_lines_reader(path, wanted);
-  return std::make_unique<CsvTable>(path, wanted);
+TableReader open_table(const fs::path& path, const std::vector<ColumnSpec>& wanted) {
+  refuse_no_csv(path);
+  return {path, wanted};
 }
 
 Table read_table(const fs::path& path, const std::vector<ColumnSpec>& wanted) {
-  return open_table(path, wanted)->next(std::numeric_limits<std::size_t>::max());
+  return open_table(path, wanted).next(std::numeric_limits<std::size_t>::max());
 }
 
 void write_table(const Run& run, const fs::path& path, const Table& table, const std::vector<fs::path>& inputs) {
@@ -65,12 +38,15 @@ void write_table(const Run& run, const fs::path& path, const Table& table, const
 }
 
 TableWriter::TableWriter(const Run& run, const fs::path& path) : run_(run), path_(path), file_(path, run.common.force) {
-  refuse_hdf5(path);
+  refuse_no_csv(path);
 }
 
 void TableWriter::add(std::size_t k, const Table& rows) {
   std::ostringstream out;
-  write_piece(out, is_json_lines(path_), k, rows);
+  if (k == 0)
+    write_csv(out, rows);
+  else
+    write_csv_rows(out, rows);
   const std::string text = out.str();
   if (k != next_) {
     if (!scratch_) scratch_.emplace(file_.temporary_path().parent_path(), path_.string());
@@ -144,8 +120,8 @@ void check_provenance_path(const fs::path& path, bool force) {
 
 void check_files(const Run& run, std::vector<fs::path> inputs, const std::vector<fs::path>& outputs,
                  std::vector<fs::path> beside) {
-  std::for_each(inputs.begin(), inputs.end(), refuse_hdf5);
-  std::for_each(outputs.begin(), outputs.end(), refuse_hdf5);
+  std::for_each(inputs.begin(), inputs.end(), refuse_no_csv);
+  std::for_each(outputs.begin(), outputs.end(), refuse_no_csv);
   std::vector<fs::path> also_read = files_named_by_options(run);
   for (const fs::path& input : inputs)
     if (!input.empty() && !is_stream(input) && fs::exists(provenance_path(input)))

@@ -5,30 +5,28 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
-#include <memory>
 #include <optional>
 #include <vector>
 
 #include "bouncelab/core/files.hpp"
 #include "bouncelab/core/table.hpp"
 #include "stages/files/provenance.hpp"
-#include "stages/files/table_reader.hpp"
 #include "stages/run.hpp"
 
 namespace bouncelab::stages {
 
-/// The wanted columns of a table file, to be read in pieces; its extension, or its beginning, tells the format.
-/// @throws FileError
-std::unique_ptr<TableReader> open_table(const std::filesystem::path& path, const std::vector<ColumnSpec>& wanted);
+/// Rows that a command takes of a table at once: 128 kB of each column of numbers. More would not make anything faster,
+/// and some twenty columns of it are a small part of any memory.
+inline constexpr std::size_t kPiece_rows = 1 << 14;
+
+/// The wanted columns of a table file, to be read in pieces. @throws FileError, InvalidArgument as refuse_no_csv
+TableReader open_table(const std::filesystem::path& path, const std::vector<ColumnSpec>& wanted);
 /// All its rows at once. @throws FileError
 Table read_table(const std::filesystem::path& path, const std::vector<ColumnSpec>& wanted);
 
-/// HDF5 is left to pandas (tools/python/README.md). @throws InvalidArgument for .h5 and .hdf5
-void refuse_hdf5(const std::filesystem::path& path);
-/// .jsonl is JSON Lines, everything else CSV.
-bool is_json_lines(const std::filesystem::path& path);
-/// Of a file to be read: what has no extension, as a pipe, is told by its first character. @throws FileError
-bool holds_json_lines(const std::filesystem::path& path);
+/// Tables are CSV; HDF5 and JSON Lines are left to pandas (tools/python/README.md).
+/// @throws InvalidArgument for .h5, .hdf5 and .jsonl
+void refuse_no_csv(const std::filesystem::path& path);
 
 /// Writes a table whole or not at all, and its provenance beside it. @throws FileError
 void write_table(const Run& run, const std::filesystem::path& path, const Table& table,

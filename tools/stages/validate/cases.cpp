@@ -104,7 +104,7 @@ std::vector<fs::path> sounds_of(const std::vector<std::string>& recordings) {
 
 /// NAME.truth.csv, else the one NAME.csv, NAME.txt ... that there is.
 fs::path truth_of(const fs::path& sound, const fs::path& folder) {
-  constexpr std::array kEndings{".csv", ".txt", ".tsv", ".TextGrid", ".svl", ".jsonl", ".lab", ".labels"};
+  constexpr std::array kEndings{".csv", ".txt", ".tsv", ".TextGrid", ".svl", ".lab", ".labels"};
   if (!fs::is_directory(folder)) return folder;
   const std::string stem = sound.stem().string();
   if (fs::path ours = folder / (stem + ".truth.csv"); fs::exists(ours)) return ours;

@@ -172,7 +172,7 @@ loop::TrueTimes read_times(const fs::path& path, std::vector<std::string>& says)
   const std::vector<std::string_view> lines = lines_of_times(text);
   loop::TrueTimes times;
   if (lines.empty() || (lines.size() == 1 && lines[0].starts_with("t_s"))) return times;
-  if (path.extension() == ".jsonl" || audio::is_own_table(text.substr(0, audio::kHeadOfTimes_bytes))) {
+  if (audio::is_own_table(text.substr(0, audio::kHeadOfTimes_bytes))) {
     times = loop::true_times_from_table(read_table(path, loop::true_time_columns()), input_name(path));
   } else if (std::all_of(lines.begin(), lines.end(), [](const auto& line) { return numbers_of(line).size() == 1; })) {
     for (const std::string_view line : lines) times.onsets.emplace_back().t_s = numbers_of(line)[0];

@@ -237,7 +237,7 @@ void require_range(const std::string& name, double value, double lo, double hi) 
   throw InvalidArgument(name + " is " + number(value) + "; it must be from " + number(lo) + " to " + number(hi));
 }
 
-void validate(const Disturbances& d, double pause_s) {
+void validate(const Disturbances& d) {
   constexpr double kMuch = 1e3;
   require_range("hum_level", d.hum_level, 0.0, kMuch);
   require_range("hum_hz", d.hum_hz, 1.0, 1000.0);
@@ -248,7 +248,6 @@ void validate(const Disturbances& d, double pause_s) {
   require_range("timbre_wander", d.timbre_wander, 0.0, 3.0);
   require_range("phase_wander_rad", d.phase_wander_rad, 0.0, 10.0);
   require_range("speech_per_s", d.speech_per_s, 0.0, 20.0);
-  if (d.robot_cycle) require_range("pause_s with the robot's cycle", pause_s, 2.0, 3600.0);
 }
 
 void validate(const std::vector<Channel>& channels, const SynthesisConfig& config) {
@@ -290,7 +289,7 @@ void validate(const SynthesisConfig& config) {
                           "--ball " +
                           to_text(config.ball) + ",contact-time=0.8ms");
   validate(config.channels, config);
-  validate(config.disturbances, config.pause_s);
+  validate(config.disturbances);
   if (config.levels) {
     require_range("levels gain", config.levels->gain, 1e-300, 1e300);
     require_range("levels noise_rms", config.levels->noise_rms, 1e-30, 1e3);

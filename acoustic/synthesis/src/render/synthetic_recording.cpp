@@ -121,18 +121,10 @@ std::vector<float> SyntheticRecording::samples_as_read_back() const {
 
 const char* to_string(OtherSoundKind kind) {
   switch (kind) {
-    case OtherSoundKind::release:
-      return "release";
     case OtherSoundKind::click:
       return "click";
     case OtherSoundKind::knock:
       return "knock";
-    case OtherSoundKind::fan:
-      return "fan";
-    case OtherSoundKind::motor:
-      return "motor";
-    case OtherSoundKind::pickup:
-      return "pickup";
     case OtherSoundKind::speech:
       return "speech";
   }
@@ -197,11 +189,6 @@ void add_dead_channel(SynthesisConfig& c) {
   c.channels.insert(c.channels.begin(), dead);
 }
 
-void add_robot(SynthesisConfig& c) {
-  c.disturbances.robot_cycle = true;
-  c.pause_s = std::max(c.pause_s, 3.0);
-}
-
 constexpr Recipe kRecipes[]{
     {"noisy", "weakest impact only 10 dB above white and 1/f noise",
      [](SynthesisConfig& c) {
@@ -218,7 +205,6 @@ constexpr Recipe kRecipes[]{
      [](SynthesisConfig& c) { c.disturbances.knocks_per_s = 0.5; }},
     {"double-hits", "half of the impacts are followed by a knock within 12 ms",
      [](SynthesisConfig& c) { c.disturbances.double_hit_fraction = 0.5; }},
-    {"robot", "release clicks, fan, motor bursts and pick-up between the drops", add_robot},
     {"clipped", "strong impacts three times beyond full scale", [](SynthesisConfig& c) { c.peak = 3.0; }},
     {"wander", "amplitudes and phases of the modes change from impact to impact",
      [](SynthesisConfig& c) {
@@ -238,7 +224,7 @@ constexpr Recipe kRecipes[]{
        c.sensor = microphone();
        for (Channel& channel : c.channels) channel.z_m = 0.3;
      }},
-    {"rough", "noise at 20 dB, hum, clicks, knocks, some double hits, robot, wander",
+    {"rough", "noise at 20 dB, hum, clicks, knocks, some double hits, wander",
      [](SynthesisConfig& c) {
        c.snr_db = 20.0;
        c.noise_corner_hz = 300.0;
@@ -248,7 +234,6 @@ constexpr Recipe kRecipes[]{
        c.disturbances.knocks_per_s = 0.1;
        c.disturbances.double_hit_fraction = 0.1;
        c.disturbances.timbre_wander = 0.2;
-       add_robot(c);
      }},
 };
 
@@ -264,7 +249,6 @@ Description members_of(const Disturbances*) {
       member<&D::knocks_per_s>("knocks", "Knocks of a second object [1/s]").within(0.0, 1e4),
       member<&D::double_hit_fraction>("double_hits", "Share of impacts followed by a knock within 12 ms")
           .within(0.0, 1.0),
-      member<&D::robot_cycle>("robot", "Release click, fan, motors and pick-up; needs --pause 2 or more"),
       member<&D::timbre_wander>("timbre_wander", "Standard deviation of ln(mode amplitude) between impacts")
           .within(0.0, 3.0),
       member<&D::phase_wander_rad>("phase_wander", "Standard deviation of mode phases between impacts [rad]")

@@ -13,7 +13,7 @@ namespace bouncelab::synthesis {
 namespace {
 
 // of the disturbance stream, beside those of schedule.cpp
-constexpr std::uint64_t kPhaseItem = 255, kWhineItem = 254, kVoiceItem = 253;
+constexpr std::uint64_t kPhaseItem = 255, kVoiceItem = 253;
 
 /// Adds amplitude sin(2 pi f n / rate + phase) by rotation; started anew in each call, so the error stays below 1e-11.
 void add_tone(double frequency_hz, double phase_rad, double amplitude, double rate_hz, std::int64_t first,
@@ -44,14 +44,14 @@ Background::Background(const SynthesisConfig& config, const Schedule& schedule, 
 bool Background::is_white() const {
   const Disturbances& d = config_.disturbances;
   return flicker_.memory_frames() == 0 && d.hum_level <= 0.0 && d.drift_level <= 0.0 && d.clicks_per_s <= 0.0 &&
-         d.speech_per_s <= 0.0 && !d.robot_cycle;
+         d.speech_per_s <= 0.0;
 }
 
 void Background::add(std::size_t channel, std::int64_t first, std::span<double> out) const {
   add_noise(channel, first, out);
   add_hum_and_drift(first, out);
   add_clicks(first, out);
-  for (const Burst& burst : schedule_.bursts) add_burst(burst, first, out);
+  for (const Syllable& syllable : schedule_.syllables) add_syllable(syllable, first, out);
 }
 
 void Background::add_noise(std::size_t channel, std::int64_t first, std::span<double> out) const {
@@ -96,51 +96,10 @@ void Background::add_clicks(std::int64_t first, std::span<double> out) const {
   }
 }
 
-std::vector<double> Background::rush(const Burst& burst, std::int64_t from, std::size_t n) const {
-  const double rate_hz = config_.rate_hz;
-  const double keep = exp(-2.0 * std::numbers::pi * std::min(burst.highest_hz, 0.4 * rate_hz) / rate_hz);
-  const double keep_low = exp(-2.0 * std::numbers::pi * burst.lowest_hz / rate_hz);
-  // one pole above, one below the band
-  const auto filter = [=](std::span<double> samples) {
-    double passed = 0.0, low = 0.0;
-    for (double& y : samples) {
-      passed = keep * passed + (1.0 - keep) * y;
-      low = keep_low * low + (1.0 - keep_low) * passed;
-      y = passed - low;
-    }
-  };
-  const auto run_in = static_cast<std::int64_t>(log(1e6) / (2.0 * std::numbers::pi * burst.lowest_hz) * rate_hz);
-  std::vector<double> response(static_cast<std::size_t>(run_in), 0.0);
-  response.front() = 1.0;
-  filter(response);
-  double energy = 0.0;
-  for (const double h : response) energy += h * h;
-
-  std::vector<double> sound(static_cast<std::size_t>(run_in) + n, 0.0);
-  const std::uint64_t source = 128 + burst.number % 128;
-  const auto begin = static_cast<std::int64_t>(burst.t_s * rate_hz);
-  WhiteNoise(config_.seed, source).add(begin + from - run_in, 1.0 / std::sqrt(energy), sound);
-  filter(sound);
-  sound.erase(sound.begin(), sound.begin() + run_in);
-  return sound;
-}
-
-std::vector<double> Background::whine(const Burst& burst, std::int64_t from, std::size_t n) const {
-  constexpr int kTones = 24;
-  std::vector<double> sound(n, 0.0);
-  Random random(config_.seed, RandomStream::disturbance, (burst.number << 8) | kWhineItem);
-  for (int k = 0; k < kTones; ++k) {
-    const double frequency_hz = burst.lowest_hz * pow(burst.highest_hz / burst.lowest_hz, random.uniform());
-    add_tone(std::min(frequency_hz, 0.45 * config_.rate_hz), random.uniform(0.0, 2.0 * std::numbers::pi),
-             std::sqrt(2.0 / kTones), config_.rate_hz, from, sound);
-  }
-  return sound;
-}
-
 /// Source and filter: pulses of the glottis through resonators in cascade. Source: Klatt, J. Acoust. Soc. Am. 67, 971
 /// (1980), doi:10.1121/1.383940, eqs. 1 and 2.
-std::vector<double> Background::voice(const Burst& burst, std::size_t n) const {
-  Random random(config_.seed, RandomStream::disturbance, (burst.number << 8) | kVoiceItem);
+std::vector<double> Background::voice(const Syllable& syllable, std::size_t n) const {
+  Random random(config_.seed, RandomStream::disturbance, (syllable.number << 8) | kVoiceItem);
   const double pitch_hz = random.uniform(85.0, 240.0), fall = random.uniform(0.10, 0.45);
   const double rate_hz = config_.rate_hz, length = static_cast<double>(n);
   std::vector<double> sound(n, 0.0);
@@ -170,25 +129,18 @@ std::vector<double> Background::voice(const Burst& burst, std::size_t n) const {
   return sound;
 }
 
-void Background::add_burst(const Burst& burst, std::int64_t first, std::span<double> out) const {
+void Background::add_syllable(const Syllable& syllable, std::int64_t first, std::span<double> out) const {
   const double rate_hz = config_.rate_hz;
-  const auto begin = static_cast<std::int64_t>(std::ceil(burst.t_s * rate_hz));
-  const auto end = static_cast<std::int64_t>((burst.t_s + burst.duration_s) * rate_hz);
+  const auto begin = static_cast<std::int64_t>(std::ceil(syllable.t_s * rate_hz));
+  const auto end = static_cast<std::int64_t>((syllable.t_s + syllable.duration_s) * rate_hz);
   const std::int64_t lo = std::max(begin, first), hi = std::min(end, first + static_cast<std::int64_t>(out.size()));
   if (lo >= hi) return;
-  const auto n = static_cast<std::size_t>(hi - lo);
-  std::vector<double> sound;
-  if (burst.kind == OtherSoundKind::speech) {
-    const std::vector<double> all = voice(burst, static_cast<std::size_t>(end - begin));
-    sound.assign(all.begin() + (lo - begin), all.begin() + (hi - begin));
-  } else {
-    sound = burst.kind == OtherSoundKind::motor ? whine(burst, lo - begin, n) : rush(burst, lo - begin, n);
-  }
-  const double length = static_cast<double>(end - begin), level = burst.level * levels_.weakest_peak;
-  for (std::size_t k = 0; k < sound.size(); ++k) {
-    const double share = (static_cast<double>(lo - begin) + static_cast<double>(k)) / length;
+  const std::vector<double> sound = voice(syllable, static_cast<std::size_t>(end - begin));
+  const double length = static_cast<double>(end - begin), level = syllable.level * levels_.weakest_peak;
+  for (std::int64_t k = lo; k < hi; ++k) {
+    const double share = static_cast<double>(k - begin) / length;
     const double edge = std::min({1.0, share / 0.1, (1.0 - share) / 0.1});
-    out[static_cast<std::size_t>(lo - first) + k] += level * edge * sound[k];
+    out[static_cast<std::size_t>(k - first)] += level * edge * sound[static_cast<std::size_t>(k - begin)];
   }
 }
 

@@ -12,7 +12,7 @@
 
 namespace bouncelab::synthesis {
 
-/// Everything in a channel that is not a strike on the ground: noise, hum, drift, clicks, bursts. A function of time:
+/// Everything in a channel that is not a strike on the ground: noise, hum, drift, clicks, speech. A function of time:
 /// any part can be computed.
 class Background {
  public:
@@ -26,19 +26,16 @@ class Background {
   void add_white(std::size_t channel, std::int64_t first, std::span<T> out) const {
     WhiteNoise(config_.seed, channel).add(first, levels_.noise_rms, out);
   }
-  /// The same of any background; noise that is coloured and bursts have a run-in for each call.
+  /// The same of any background; coloured noise has a run-in for each call.
   void add(std::size_t channel, std::int64_t first, std::span<double> out) const;
 
  private:
   void add_noise(std::size_t channel, std::int64_t first, std::span<double> out) const;
   void add_hum_and_drift(std::int64_t first, std::span<double> out) const;
   void add_clicks(std::int64_t first, std::span<double> out) const;
-  /// Sound of rms 1 from frame `from` of the burst on.
-  std::vector<double> rush(const Burst& burst, std::int64_t from, std::size_t n) const;
-  std::vector<double> whine(const Burst& burst, std::int64_t from, std::size_t n) const;
   /// The whole of a syllable, of peak 1: a voice whose pitch falls, through three formants.
-  std::vector<double> voice(const Burst& burst, std::size_t n) const;
-  void add_burst(const Burst& burst, std::int64_t first, std::span<double> out) const;
+  std::vector<double> voice(const Syllable& syllable, std::size_t n) const;
+  void add_syllable(const Syllable& syllable, std::int64_t first, std::span<double> out) const;
 
   const SynthesisConfig& config_;
   const Schedule& schedule_;

@@ -14,7 +14,7 @@ namespace bouncelab::synthesis {
 namespace {
 
 /// Items of the disturbance stream: one kind of thing a row, so that switching one off leaves the others as they were.
-enum class Item : std::uint64_t { clicks, knocks, double_hits, robot, speech };
+enum class Item : std::uint64_t { clicks, knocks, double_hits, speech = 4 };
 
 Random random_of(const SynthesisConfig& config, Item item, std::uint64_t index = 0) {
   return {config.seed, RandomStream::disturbance, (index << 8) | static_cast<std::uint64_t>(item)};
@@ -81,29 +81,26 @@ std::vector<Strike> Scheduler::place_balls(const Impacts& group) {
 
 void Scheduler::add_group(const Impacts& group, Schedule& schedule) {
   const std::size_t first_strike = schedule.strikes.size(), first_other = schedule.others.size(),
-                    first_burst = schedule.bursts.size();
-  const double release_s = n_impacts_ == 0 ? config_.lead_in_s : window_end_s_;
+                    first_syllable = schedule.syllables.size();
   const std::vector<Strike> balls = place_balls(group);
   schedule.strikes.insert(schedule.strikes.end(), balls.begin(), balls.end());
   schedule.duration_s = window_end_s_;
   add_knocks(first_strike, schedule);
   add_clicks(schedule);
   add_speech(schedule);
-  add_robot({release_s, balls.back().t_s, window_end_s_}, group.rows.front().drop, schedule);
   if (config_.without_ball) {
     const auto first = schedule.strikes.begin() + static_cast<std::ptrdiff_t>(first_strike);
     const auto is_ball = [](const Strike& strike) { return strike.impact_index >= 0; };
     schedule.strikes.erase(std::remove_if(first, schedule.strikes.end(), is_ball), schedule.strikes.end());
   }
   sort_by_time(schedule.strikes, first_strike);
-  sort_by_time(schedule.bursts, first_burst);
+  sort_by_time(schedule.syllables, first_syllable);
   sort_by_time(schedule.others, first_other);
 }
 
 /// A knock of a second, softer object somewhere on the surface: longer contact, impulse around that of the weakest
 /// impact.
-void Scheduler::add_knock(double t_s, double weakest_impulse_ns, OtherSoundKind kind, Random& random,
-                          Schedule& schedule) const {
+void Scheduler::add_knock(double t_s, Random& random, Schedule& schedule) const {
   const Ground& ground = config_.ground;
   const double reach_m =
       ground.disk ? 0.7 * ground.disk->radius_m : 0.45 * std::min(ground.carrier.length_x_m, ground.carrier.length_y_m);
@@ -112,21 +109,20 @@ void Scheduler::add_knock(double t_s, double weakest_impulse_ns, OtherSoundKind 
   knock.x_m = random.uniform(-reach_m, reach_m);
   knock.y_m = random.uniform(-reach_m, reach_m);
   knock.duration_s = random.uniform(60e-6, 200e-6);
-  knock.impulse_ns = weakest_impulse_ns * log_uniform(random, 1.0, 8.0);
+  knock.impulse_ns = weakest_impulse_ns_ * log_uniform(random, 1.0, 8.0);
   schedule.strikes.push_back(knock);
-  schedule.others.push_back({kind, t_s});
+  schedule.others.push_back({OtherSoundKind::knock, t_s});
 }
 
 void Scheduler::add_knocks(std::size_t first_strike, Schedule& schedule) {
   const Disturbances& d = config_.disturbances;
   const std::size_t last_strike = schedule.strikes.size();
   for (; next_knock_s_ < window_end_s_; next_knock_s_ += waiting_s(knocks_, d.knocks_per_s))
-    add_knock(next_knock_s_, weakest_impulse_ns_, OtherSoundKind::knock, knocks_, schedule);
+    add_knock(next_knock_s_, knocks_, schedule);
   for (std::size_t k = first_strike; k < last_strike && d.double_hit_fraction > 0.0; ++k) {
     Random random = random_of(config_, Item::double_hits, static_cast<std::uint64_t>(schedule.strikes[k].impact_index));
     if (random.uniform() < d.double_hit_fraction)
-      add_knock(schedule.strikes[k].t_s + random.uniform(1.5e-3, 12e-3), weakest_impulse_ns_, OtherSoundKind::knock,
-                random, schedule);
+      add_knock(schedule.strikes[k].t_s + random.uniform(1.5e-3, 12e-3), random, schedule);
   }
 }
 
@@ -141,28 +137,9 @@ void Scheduler::add_clicks(Schedule& schedule) {
 void Scheduler::add_speech(Schedule& schedule) {
   for (; next_syllable_s_ < window_end_s_; next_syllable_s_ += waiting_s(speech_, config_.disturbances.speech_per_s)) {
     const double duration_s = speech_.uniform(0.08, 0.3), level = log_uniform(speech_, 0.5, 5.0);
-    schedule.bursts.push_back({next_syllable_s_, duration_s, level, 0.0, 0.0, OtherSoundKind::speech, n_syllables_++});
+    schedule.syllables.push_back({next_syllable_s_, duration_s, level, n_syllables_++});
     schedule.others.push_back({OtherSoundKind::speech, next_syllable_s_});
   }
-}
-
-/// The cycle of the paper's set-up in shares of the pause: the ball rests, a fan blows it to its place (0.2 - 0.5), the
-/// tube touches it (0.6), the arm moves (0.65 - 0.9); the vacuum is switched off at the release.
-void Scheduler::add_robot(const Window& window, std::int64_t drop, Schedule& schedule) {
-  if (!config_.disturbances.robot_cycle) return;
-  Random random = random_of(config_, Item::robot, static_cast<std::uint64_t>(drop));
-  const auto add_burst = [&](double begin, double length, Burst burst) {
-    burst.t_s = window.last_impact_s + begin * config_.pause_s;
-    burst.duration_s = length * config_.pause_s;
-    burst.number = n_bursts_++;
-    schedule.bursts.push_back(burst);
-    schedule.others.push_back({burst.kind, burst.t_s});
-  };
-  add_knock(window.release_s, 0.3 * weakest_impulse_ns_, OtherSoundKind::release, random, schedule);
-  add_burst(0.2, 0.3, {0.0, 0.0, random.uniform(0.3, 1.0), 80.0, 3000.0, OtherSoundKind::fan, 0});
-  add_knock(window.last_impact_s + 0.6 * config_.pause_s, weakest_impulse_ns_, OtherSoundKind::pickup, random,
-            schedule);
-  add_burst(0.65, 0.25, {0.0, 0.0, random.uniform(0.3, 2.0), 400.0, 9000.0, OtherSoundKind::motor, 0});
 }
 
 void add_pushes(const SynthesisConfig& config, const std::vector<TrueImpact>& scaled, Schedule& schedule) {
@@ -213,7 +190,8 @@ void forget(Schedule& schedule, double before_s) {
   drop_from(schedule.strikes, begins_later);
   drop_from(schedule.clicks, begins_later);
   drop_from(schedule.pushes, [before_s](const GainPush& push) { return push.t_s + kGainMemory_s >= before_s; });
-  drop_from(schedule.bursts, [before_s](const Burst& burst) { return burst.t_s + burst.duration_s >= before_s; });
+  drop_from(schedule.syllables,
+            [before_s](const Syllable& syllable) { return syllable.t_s + syllable.duration_s >= before_s; });
 }
 
 }  // namespace bouncelab::synthesis

@@ -29,15 +29,12 @@ struct Click {
   double level = 0.0;
 };
 
-/// Noise of a fan (filtered) or of a geared motor (tones), or a syllable of speech: of limited duration, faded in and
-/// out.
-struct Burst {
+/// A syllable of speech, faded in and out.
+struct Syllable {
   double t_s = 0.0;
   double duration_s = 0.0;
   double level = 0.0;
-  double lowest_hz = 0.0, highest_hz = 0.0;  ///< not of speech
-  OtherSoundKind kind = OtherSoundKind::fan;
-  std::uint64_t number = 0;  ///< in the recording, speech by itself: chooses tones, noise or voice
+  std::uint64_t number = 0;  ///< in the recording: chooses the voice
 };
 
 /// What an impact does to an automatic gain, from the arrival of its sound.
@@ -49,11 +46,11 @@ struct GainPush {
 /// All events of a recording, or of a part of it.
 struct Schedule {
   double duration_s = 0.0;
-  std::vector<Strike> strikes;     ///< by time
-  std::vector<Click> clicks;       ///< by time
-  std::vector<Burst> bursts;       ///< by time
-  std::vector<OtherSound> others;  ///< by time
-  std::vector<GainPush> pushes;    ///< by time
+  std::vector<Strike> strikes;      ///< by time
+  std::vector<Click> clicks;        ///< by time
+  std::vector<Syllable> syllables;  ///< by time
+  std::vector<OtherSound> others;   ///< by time
+  std::vector<GainPush> pushes;     ///< by time
 };
 
 /// A phone's automatic gain, 10^(-G / 20), as a function of time:
@@ -70,12 +67,12 @@ void add_pushes(const SynthesisConfig& config, const std::vector<TrueImpact>& sc
 template <class T>
 void apply_gain(const std::vector<GainPush>& pushes, std::int64_t first, double rate_hz, std::span<T> samples);
 
-/// Removes strikes and clicks that begin before a time and bursts and pushes that end before it.
+/// Removes strikes and clicks that begin before a time and syllables and pushes that end before it.
 void forget(Schedule& schedule, double before_s);
 
 /// Lays the groups of drops one after the other: lead-in, release, impacts, pause, release ... Within a group each ball
 /// is released 0.05 to 0.5 s after the one before. Everything else that sounds is laid into the window of a group, from
-/// the end of the one before to the end of its pause; the robot goes through its cycle once in it.
+/// the end of the one before to the end of its pause.
 class Scheduler {
  public:
   /// @param weakest_impulse_ns  of all impacts: knocks are about as strong
@@ -89,20 +86,16 @@ class Scheduler {
   double duration_s() const { return window_end_s_; }
 
  private:
-  struct Window {
-    double release_s, last_impact_s, end_s;
-  };
-  void add_knock(double t_s, double weakest_impulse_ns, OtherSoundKind kind, Random& random, Schedule& schedule) const;
+  void add_knock(double t_s, Random& random, Schedule& schedule) const;
   void add_knocks(std::size_t first_strike, Schedule& schedule);
   void add_clicks(Schedule& schedule);
   void add_speech(Schedule& schedule);
-  void add_robot(const Window& window, std::int64_t drop, Schedule& schedule);
 
   const SynthesisConfig& config_;
   double weakest_impulse_ns_;
   double window_end_s_ = 0.0;
   std::int64_t n_impacts_ = 0;
-  std::uint64_t n_bursts_ = 0, n_syllables_ = 0;
+  std::uint64_t n_syllables_ = 0;
   Random knocks_, clicks_, speech_;
   double next_knock_s_, next_click_s_, next_syllable_s_;  // infinite: none
 };

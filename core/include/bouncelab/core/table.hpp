@@ -154,20 +154,23 @@ Table read_csv(const std::filesystem::path& path, const std::vector<ColumnSpec>&
 Table read_csv(std::istream& in, const std::string& name, const std::vector<ColumnSpec>& wanted);
 
 /// As read_csv, a piece of the file at a time: tables longer than the memory.
-class CsvReader {
+class TableReader {
  public:
-  CsvReader(const std::filesystem::path& path, const std::vector<ColumnSpec>& wanted);
+  TableReader(const std::filesystem::path& path, const std::vector<ColumnSpec>& wanted);
   /// @param in  must outlive this
-  CsvReader(std::istream& in, const std::string& name, const std::vector<ColumnSpec>& wanted);
-  CsvReader(CsvReader&&) noexcept;
-  CsvReader& operator=(CsvReader&&) noexcept;
-  ~CsvReader();
-  /// The next rows, at most so many; none after the last. @throws FileError
+  TableReader(std::istream& in, const std::string& name, const std::vector<ColumnSpec>& wanted);
+  /// A table that is in memory already: its first piece is all of it.
+  explicit TableReader(Table table);
+  TableReader(TableReader&&) noexcept;
+  TableReader& operator=(TableReader&&) noexcept;
+  ~TableReader();
+  /// The next rows of the file, at most so many; none after the last. @throws FileError
   Table next(std::size_t max_rows);
 
  private:
   struct State;
-  std::unique_ptr<State> state_;
+  std::unique_ptr<State> state_;  // of a file
+  Table in_memory_;
 };
 
 /// Writes header and rows; reals with the fewest digits that read back to the same double (at most 17), NaN as an

@@ -29,10 +29,9 @@ struct Disturbances {
   double clicks_per_s = 0.0;  ///< electric clicks two samples long, levels 0.3 to 5, Poisson in time
   double knocks_per_s = 0.0;  ///< a second, softer object strikes the plate, levels about 0.5 to 4, Poisson in time
   double double_hit_fraction = 0.0;  ///< in [0, 1]: share of impacts followed by a knock after 1.5 to 12 ms
-  bool robot_cycle = false;    ///< release click; in each pause fan, pick-up tick and motor bursts; needs pause_s >= 2
-  double timbre_wander = 0.0;  ///< standard deviation of ln(mode amplitude) from impact to impact
-  double phase_wander_rad = 0.0;  ///< standard deviation of the modes' phases from impact to impact
-  double speech_per_s = 0.0;      ///< voiced syllables, peaks at levels 0.5 to 5, Poisson in time
+  double timbre_wander = 0.0;        ///< standard deviation of ln(mode amplitude) from impact to impact
+  double phase_wander_rad = 0.0;     ///< standard deviation of the modes' phases from impact to impact
+  double speech_per_s = 0.0;         ///< voiced syllables, peaks at levels 0.5 to 5, Poisson in time
 };
 Description members_of(const Disturbances*);
 
@@ -92,7 +91,7 @@ struct TrueImpact {
 const RowColumns<TrueImpact>& columns_of(const TrueImpact*);
 
 /// What makes a sound that is not an impact of the ball.
-enum class OtherSoundKind { release, click, knock, fan, motor, pickup, speech };
+enum class OtherSoundKind { click, knock, speech };
 /// The enumerator's name, as tables of other sounds have it.
 const char* to_string(OtherSoundKind kind);
 
@@ -161,7 +160,7 @@ struct HardCase {
   std::string what;  ///< one line for people
 };
 
-/// noisy, hum, clicks, knocks, double-hits, robot, clipped, wander, dead-channel, ringing, microphone, rough.
+/// noisy, hum, clicks, knocks, double-hits, clipped, wander, dead-channel, ringing, microphone, rough.
 const std::vector<HardCase>& hard_cases();
 
 /// `config` with the difficulty added; everything else stays as it is.
