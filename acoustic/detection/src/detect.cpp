@@ -15,9 +15,9 @@
 #include "bouncelab/core/numerics.hpp"
 #include "bouncelab/core/text.hpp"
 #include "channel_tracks.hpp"
-#include "drops/recording_timer.hpp"
+#include "drops/drop_timer.hpp"
 #include "tracking/tracking_model.hpp"
-#include "whitening/linear_prediction.hpp"
+#include "whitening/whitening.hpp"
 
 namespace bouncelab::detection {
 namespace {

@@ -8,10 +8,8 @@
 #include <vector>
 
 #include "bouncelab/audio/audio_reader.hpp"
-#include "candidates/band_energies.hpp"
-#include "candidates/innovation_energy.hpp"
 #include "support/modal_sound.hpp"
-#include "whitening/linear_prediction.hpp"
+#include "whitening/whitening.hpp"
 
 namespace bouncelab::detection {
 namespace {

@@ -10,7 +10,7 @@
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/random.hpp"
 #include "support/modal_sound.hpp"
-#include "whitening/linear_prediction.hpp"
+#include "whitening/whitening.hpp"
 
 namespace bouncelab::detection {
 namespace {

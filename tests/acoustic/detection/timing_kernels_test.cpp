@@ -8,15 +8,14 @@
 #include <vector>
 
 #include "bouncelab/audio/dsp/kernels.hpp"
+#include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/random.hpp"
-#include "contact/pulse_spectrum.hpp"
+#include "contact/contact_time.hpp"
 #include "support/direct_fourier.hpp"
 #include "support/modal_sound.hpp"
 #include "template/subband_delay.hpp"
-#include "whitening/decimate.hpp"
-#include "whitening/linear_prediction.hpp"
-#include "whitening/white_window.hpp"
+#include "whitening/whitening.hpp"
 
 namespace bouncelab::detection {
 namespace {
@@ -180,19 +179,20 @@ TEST(LowBand, PassesWhatIsLowWithoutDelayAndNothingElse) {
     EXPECT_NEAR(y[n], tone(700.0, static_cast<double>(n) / low.rate_hz), 0.01);  // 40 dB stop band
 }
 
-TEST(PulseSpectrum, OfAHalfSineIsTheClosedForm) {
-  for (int k = 0; k < 300; ++k) {
-    const double x = 0.0097 * k;
-    if (std::abs(x - 0.5) < 0.02) continue;
-    EXPECT_NEAR(PulseSpectrum::half_sine().at(x).value, std::cos(kPi * x) / (1.0 - 4.0 * x * x), 2e-5) << x;
-  }
-}
-
-TEST(PulseSpectrum, SlopeIsTheDerivativeOfTheValue) {
-  const PulseSpectrum& pulse = PulseSpectrum::hertz();
+TEST(PulseSpectrum, IsTheFourierIntegralOfTheForceAndItsSlope) {
+  constexpr int kSteps = 4000;
   for (int k = 1; k < 300; ++k) {
-    const double x = 0.01 * k, rise = pulse.at(x + 0.01).value - pulse.at(x - 0.01).value;
-    EXPECT_NEAR(pulse.at(x).slope, rise / 0.02, 2e-3);  // P''' h^2 / 6 with P''' below 30
+    const double x = 0.0097 * k;
+    double total = 0.0, value = 0.0, slope = 0.0;
+    for (int q = 0; q < kSteps; ++q) {
+      const double s = (q + 0.5) / kSteps, phase = 2.0 * kPi * (s - 0.5);
+      total += hertz_force(s);
+      value += hertz_force(s) * std::cos(phase * x);
+      slope -= hertz_force(s) * phase * std::sin(phase * x);
+    }
+    EXPECT_NEAR(pulse_spectrum(x).value, value / total, 2e-5) << x;  // the table is interpolated to 1e-5
+    EXPECT_NEAR(pulse_spectrum(x).slope, slope / total, 1e-4)
+        << x;  // and its slope to h^2 / 8 of a third derivative of 30
   }
 }
 

@@ -12,7 +12,7 @@
 #include "bouncelab/audio/audio_reader.hpp"
 #include "bouncelab/core/random.hpp"
 #include "support/modal_sound.hpp"
-#include "whitening/linear_prediction.hpp"
+#include "whitening/whitening.hpp"
 
 namespace bouncelab::detection {
 namespace {

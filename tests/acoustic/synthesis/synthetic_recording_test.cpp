@@ -13,7 +13,7 @@
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/onsets.hpp"
 #include "few_impacts.hpp"
-#include "sensor/converter.hpp"
+#include "sensor/instrument.hpp"
 #include "support/direct_fourier.hpp"
 
 namespace bouncelab::synthesis {

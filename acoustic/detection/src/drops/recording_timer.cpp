@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "drops/recording_timer.hpp"
+#include "drops/drop_timer.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -10,10 +10,9 @@
 #include "bouncelab/core/numerics.hpp"
 #include "bouncelab/core/parallel.hpp"
 #include "contact/contact_time.hpp"
-#include "delay/delay_model.hpp"
-#include "drops/drops_model.hpp"
-#include "tracking/impact_odds.hpp"
-#include "whitening/linear_prediction.hpp"
+#include "delay/timed_impact.hpp"
+#include "tracking/tracker.hpp"
+#include "whitening/whitening.hpp"
 
 namespace bouncelab::detection {
 namespace {
@@ -196,7 +195,7 @@ TimedDrops time_tracks(const BandOfDrops& band, double gravity_mps2, int n_threa
 std::optional<ContactLaw> contact_law_of(const TimedDrops& timed) {
   const std::optional<double> rms_hz = timed.rms_hz();
   if (!rms_hz) return std::nullopt;
-  std::vector<ContactEvidence> evidence;
+  std::vector<ContactFit> evidence;
   for (const TimedDrop& drop : timed.drops)
     if (drop.contact) evidence.push_back(*drop.contact);
   return pool_contacts(evidence, assumed_contact(*rms_hz));

@@ -1,16 +1,63 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "whitening/linear_prediction.hpp"
+#include "whitening/whitening.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <complex>
 #include <cstdint>
+#include <memory>
 #include <numbers>
+#include <span>
+#include <vector>
 
 #include "bouncelab/audio/dsp/kernels.hpp"
 #include "bouncelab/core/elementary.hpp"
 
 namespace bouncelab::detection {
+namespace {
+
+constexpr std::int64_t kMostHeld = 3 << 20;      // samples, 12 MB: 13 minutes at 4 kHz
+constexpr std::int64_t kResultsAtOnce = 1 << 9;  // of the result
+
+std::vector<float> low_pass(int factor) {
+  const int reach = 8 * factor;
+  const double cutoff = 0.8 / factor;  // of the Nyquist frequency
+  std::vector<double> taps;
+  double sum = 0.0;
+  for (int k = -reach; k <= reach; ++k) {
+    const double x = std::numbers::pi * cutoff * k;
+    const double window = 0.5 + 0.5 * cos(std::numbers::pi * k / (reach + 1.0));
+    taps.push_back(window * (k == 0 ? 1.0 : sin(x) / x));
+    sum += taps.back();
+  }
+  std::vector<float> unit_gain;
+  for (const double tap : taps) unit_gain.push_back(static_cast<float>(tap / sum));
+  constexpr std::size_t kStep = 16;  // by which audio::filter_and_decimate() goes
+  unit_gain.resize((unit_gain.size() + kStep - 1) / kStep * kStep, 0.0F);
+  return unit_gain;
+}
+
+}  // namespace
+
+audio::AudioSource decimate(const audio::AudioSource& source, int factor) {
+  const auto read = [source, factor, taps = low_pass(factor)](std::int64_t first, std::span<float> out) {
+    std::vector<float> x(out.size() * static_cast<std::size_t>(factor) + taps.size());
+    read_padded(source, (first - 8) * factor, x);
+    audio::filter_and_decimate(x, static_cast<std::size_t>(factor), taps, out);
+  };
+  const std::int64_t n_samples = source.n_samples / factor;
+  if (n_samples > kMostHeld) return {source.rate_hz / factor, n_samples, read, source.silences};
+  const auto held = std::make_shared<std::vector<float>>(static_cast<std::size_t>(n_samples));
+  for (std::int64_t first = 0; first < n_samples; first += kResultsAtOnce)
+    read(first, std::span(*held).subspan(static_cast<std::size_t>(first),
+                                         static_cast<std::size_t>(std::min(kResultsAtOnce, n_samples - first))));
+  const auto copy = [held](std::int64_t first, std::span<float> out) {
+    std::copy_n(held->begin() + first, out.size(), out.begin());
+  };
+  return {source.rate_hz / factor, n_samples, copy, source.silences};
+}
+
 namespace {
 
 constexpr double kFrame_s = 10e-3;
@@ -179,6 +226,69 @@ double quiet_psd(const ArModel& model, double rate_hz, double frequency_hz) {
   for (auto tap = model.filter.rbegin(); tap != model.filter.rend(); ++tap)
     response = response * delay + static_cast<double>(*tap);
   return 2.0 * model.quiet_variance / (rate_hz * std::norm(response));
+}
+
+namespace {
+
+constexpr std::int64_t kWhiteBlock =
+    256;  // samples; shorter ones would cost more calls, longer ones more at windows' ends
+constexpr std::int64_t kMostBlocksOfAWindow = (1 << 17) / kWhiteBlock + 2;  // a window's ends lie in blocks
+constexpr std::int64_t kPlacesOfKept = 4;  // places for each block kept, of which few are wanted by two blocks then
+constexpr std::int32_t kNoPlace = -1;
+
+/// Rounded down, also below 0.
+std::int64_t block_of(std::int64_t sample) { return (sample >= 0 ? sample : sample - (kWhiteBlock - 1)) / kWhiteBlock; }
+
+}  // namespace
+
+WhiteSound::WhiteSound(const audio::AudioSource& source)
+    : source_(source),
+      memory_(new float[kMostBlocksOfAWindow * kWhiteBlock]),  // holds anything yet
+      places_(kPlacesOfKept * kMostBlocksOfAWindow, kNoPlace) {}
+
+void WhiteSound::read(const std::vector<float>& whitener, std::int64_t first, std::span<float> out) {
+  if (out.empty()) return;
+  const std::int64_t end = first + std::ssize(out);
+  const std::int64_t first_block = block_of(first), last_block = block_of(end - 1) + 1;
+  assert(last_block - first_block <= kMostBlocksOfAWindow);
+  if (whitener != model_.filter || last_block - first_block > kMostBlocksOfAWindow - std::ssize(numbers_)) {
+    model_.filter = whitener;
+    std::fill(places_.begin(), places_.end(), kNoPlace);
+    numbers_.clear();
+  }
+  make_blocks(first_block, last_block);
+  for (std::int64_t at = first; at < end;) {
+    const std::int64_t block = block_of(at);
+    const std::int64_t to = std::min(end, (block + 1) * kWhiteBlock);
+    std::copy_n(memory_.get() + place(block) * kWhiteBlock + (at - block * kWhiteBlock), to - at,
+                out.begin() + (at - first));
+    at = to;
+  }
+}
+
+std::int32_t& WhiteSound::place(std::int64_t block) {
+  const auto n = std::ssize(places_);
+  return places_[static_cast<std::size_t>((block % n + n) % n)];
+}
+
+bool WhiteSound::is_there(std::int64_t block) {
+  const std::int32_t k = place(block);
+  return k != kNoPlace && numbers_[static_cast<std::size_t>(k)] == block;
+}
+
+void WhiteSound::make_blocks(std::int64_t first, std::int64_t last) {
+  for (std::int64_t block = first; block < last;) {
+    const std::int64_t at = std::ssize(numbers_) * kWhiteBlock;
+    std::int64_t n = 0;  // missing ones that lie side by side
+    for (; block + n < last && !is_there(block + n); ++n) {
+      place(block + n) = static_cast<std::int32_t>(numbers_.size());
+      numbers_.push_back(block + n);
+    }
+    if (n > 0)  // most are there
+      read_innovations(source_, model_, block * kWhiteBlock,
+                       {memory_.get() + at, static_cast<std::size_t>(n * kWhiteBlock)});
+    block += std::max<std::int64_t>(n, 1);
+  }
 }
 
 }  // namespace bouncelab::detection
