@@ -13,8 +13,7 @@
 #include <string_view>
 #include <utility>
 
-#include "bouncelab/audio/audio_writer.hpp"
-#include "bouncelab/core/child_process.hpp"
+#include "bouncelab/audio/sound_file.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/files.hpp"
 #include "bouncelab/core/impacts.hpp"

@@ -9,7 +9,6 @@
 #include <optional>
 #include <utility>
 
-#include "bouncelab/core/child_process.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/files.hpp"
 #include "bouncelab/core/foreign_table.hpp"

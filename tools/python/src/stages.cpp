@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "arrays.hpp"
-#include "bouncelab/audio/audio_writer.hpp"
+#include "bouncelab/audio/sound_file.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/files.hpp"
 #include "bouncelab/core/foreign_table.hpp"
