@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "bouncelab/sim/energy.hpp"
+#include "bouncelab/sim/contact.hpp"
 #include "bouncelab/sim/experiment.hpp"
 #include "bouncelab/sim/surface.hpp"
 #include "stage_options/options.hpp"

@@ -16,7 +16,7 @@
 #include "bouncelab/loop/drops.hpp"
 #include "bouncelab/loop/reservoir_check.hpp"
 #include "bouncelab/loop/scatter_theory.hpp"
-#include "bouncelab/sim/energy.hpp"
+#include "bouncelab/sim/contact.hpp"
 #include "bouncelab/sim/experiment.hpp"
 #include "bouncelab/sim/surface.hpp"
 #include "bouncelab/synthesis/synthetic_recording.hpp"

@@ -12,7 +12,7 @@
 #include "bouncelab/core/samples.hpp"
 #include "bouncelab/fit/fit.hpp"
 #include "bouncelab/fit/reservoir_gain.hpp"
-#include "bouncelab/sim/energy.hpp"
+#include "bouncelab/sim/contact.hpp"
 
 namespace bouncelab::loop {
 
