@@ -2,28 +2,10 @@
 #include "bouncelab/loop/closed_loop.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <ctime>
 
 namespace bouncelab::loop {
 namespace {
-
-double processor_time_s() {
-  std::timespec now{};
-  ::clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
-
-/// Runs a stage and adds its wall and processor time.
-template <class Stage>
-void timed(LoopResult& loop, const std::string& name, const Stage& stage) {
-  using Clock = std::chrono::steady_clock;
-  const double start_s = processor_time_s();
-  const auto start = Clock::now();
-  stage();
-  loop.wall_s.emplace_back(name, std::chrono::duration<double>(Clock::now() - start).count());
-  loop.processor_s.emplace_back(name, processor_time_s() - start_s);
-}
 
 std::int64_t n_smooth_drops(std::int64_t n_rough) {
   return std::max<std::int64_t>(1, n_rough / kRoughDropsPerSmoothDrop);
@@ -66,7 +48,6 @@ BallResult simulated(const std::string& name, const sim::SimulationConfig& confi
   BallResult ball;
   ball.name = name;
   ball.impacts = std::move(result.impacts);
-  ball.impacts.states = {};
   return ball;
 }
 
@@ -77,6 +58,7 @@ void simulate_balls(const LoopConfig& config, LoopResult& loop, const StageProgr
     const sim::Surface surface = surface_of(config, progress);
     loop.section = sim::section_of(simulation.ball, surface);
     loop.rough = simulated("rough", simulation, surface, loop, progress);
+    if (!config.simulation.with_state) loop.rough.impacts.states = {};
   }
   if (!config.with_smooth_ball) return;
   simulation.with_state = false;
@@ -84,26 +66,42 @@ void simulate_balls(const LoopConfig& config, LoopResult& loop, const StageProgr
   loop.smooth = simulated("smooth", simulation, sim::Surface{}, loop, progress);
 }
 
-void record_and_detect(BallResult& ball, const DropRecording& recording, int n_threads, const StageProgress& progress) {
-  ball.drops = run_drops(ball.impacts, ball.name, recording, n_threads,
-                         callback(progress, "synthesize and detect the " + ball.name + " ball", "drops"));
-  ball.score = detection::score_onsets(true_onsets_of(ball.drops, ball.name), onsets_of(ball.drops));
+void score(BallResult& ball) {
+  ball.score = detection::score_onsets(true_onsets_of(ball.recordings), onsets_of(ball.recordings));
 }
 
-const char* const kSound = "sound";
+void record_and_detect(BallResult& ball, const DropRecording& recording, int n_threads, const StageProgress& progress) {
+  ball.recordings = run_drops(ball.impacts, ball.name, recording, n_threads,
+                              callback(progress, "synthesize and detect the " + ball.name + " ball", "drops"));
+  score(ball);
+}
 
 /// Synthesis and detection are one pass over the drops; the drops' own clocks tell their shares of processor time.
-void split_sound_stage(LoopResult& loop) {
+void sound_by_drop(LoopResult& loop, const LoopConfig& config, const StageProgress& progress) {
+  loop.clock.time("sound", [&] {
+    DropRecording recording = drop_recording(config.synthesis, loop.rough.impacts);
+    recording.folder = config.sound_folder;
+    record_and_detect(loop.rough, recording, config.n_threads, progress);
+    if (config.with_smooth_ball) record_and_detect(loop.smooth, recording, config.n_threads, progress);
+  });
   double synthesize_s = 0.0, detect_s = 0.0;
   for (const BallResult* ball : {&loop.rough, &loop.smooth})
-    for (const DropResult& drop : ball->drops) {
-      synthesize_s += drop.synthesize_s;
-      detect_s += drop.detect_s;
+    for (const RecordingResult& r : ball->recordings) {
+      synthesize_s += r.synthesize_s;
+      detect_s += r.detect_s;
     }
-  auto& stages = loop.processor_s;
-  const auto sound = std::find_if(stages.begin(), stages.end(), [](const auto& s) { return s.first == kSound; });
-  *sound = {"synthesize", synthesize_s};
-  stages.insert(sound + 1, {"detect", detect_s});
+  loop.clock.split_last({{"synthesize", synthesize_s}, {"detect", detect_s}});
+}
+
+void sound_together(LoopResult& loop, const LoopConfig& config, const StageProgress& progress) {
+  loop.clock.time("synthesize", [&] {
+    loop.rough.recordings.push_back(synthesize_together(loop.rough.impacts, config.synthesis, *config.recording,
+                                                        callback(progress, "synthesize", "s of sound")));
+  });
+  loop.clock.time("detect", [&] {
+    detect_together(loop.rough.recordings.back(), config.n_threads, callback(progress, "detect", "s of sound"));
+    score(loop.rough);
+  });
 }
 
 void fit_everything(LoopResult& loop, const LoopConfig& config, const StageProgress& progress) {
@@ -112,6 +110,7 @@ void fit_everything(LoopResult& loop, const LoopConfig& config, const StageProgr
   };
   fit::FitConfig fit_config;
   fit_config.law.node_speeds_mps = config.node_speeds_mps;
+  fit_config.law.seed = loop.simulation.seed;
   fit_config.budget = budget_config_of(loop.simulation);
   fit_config.compare_recordings = false;  // each drop is one, all of the same ball
   const auto fit = [&](const RestitutionSamples& samples, fit::FitResult& result, bool memory = false) {
@@ -119,52 +118,56 @@ void fit_everything(LoopResult& loop, const LoopConfig& config, const StageProgr
     if (memory) this_config.memory = fit::UseMemory::where_long;
     result = fit::fit_all(samples, this_config);
   };
-  if (const ProgressCallback report = callback(progress, "fit", "fits")) report(0.0, 4.0);
   std::vector<std::function<void()>> fits{[&] {
-                                            loop.samples_sound = samples_of(onsets_of(loop.rough.drops));
+                                            loop.samples_sound = samples_of(onsets_of(loop.rough.recordings));
                                             fit(loop.samples_sound, loop.sound, config.with_memory);
                                           },
                                           [&] {
-                                            loop.samples_true =
-                                                samples_of(true_onsets_of(loop.rough.drops, loop.rough.name));
+                                            loop.samples_true = samples_of(true_onsets_of(loop.rough.recordings));
                                             fit(loop.samples_true, loop.true_times, config.with_memory);
-                                          },
-                                          [&] {
-                                            loop.samples_direct = direct_samples(loop.rough.impacts);
-                                            fit(loop.samples_direct, loop.direct);
                                           }};
-  if (!loop.smooth.drops.empty())
+  if (config.with_direct)
     fits.emplace_back([&] {
-      loop.samples_smooth = samples_of(onsets_of(loop.smooth.drops));
+      loop.samples_direct = direct_samples(loop.rough.impacts);
+      fit(loop.samples_direct, loop.direct);
+    });
+  if (!loop.smooth.recordings.empty())
+    fits.emplace_back([&] {
+      loop.samples_smooth = samples_of(onsets_of(loop.smooth.recordings));
       fit(loop.samples_smooth, loop.smooth_sound);
     });
+  if (const ProgressCallback report = callback(progress, "fit", "fits")) report(0.0, static_cast<double>(fits.size()));
   parallel_for(fits.size(), config.n_threads, [&](std::size_t k) { fits[k](); });
 }
 
 }  // namespace
 
+double processor_time_s(clockid_t clock) {
+  std::timespec now{};
+  ::clock_gettime(clock, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+void StageClock::split_last(const SecondsByStage& processor_s) {
+  processor_s_.pop_back();
+  processor_s_.insert(processor_s_.end(), processor_s.begin(), processor_s.end());
+}
+
 LoopResult run_loop(const LoopConfig& config, const StageProgress& progress) {
   LoopResult loop;
   loop.simulation = config.simulation;
   loop.simulation.n_threads = config.n_threads;
-  timed(loop, "simulate", [&] { simulate_balls(config, loop, progress); });
-  timed(loop, kSound, [&] {
-    DropRecording recording = drop_recording(config.synthesis, loop.rough.impacts);
-    recording.folder = config.sound_folder;
-    record_and_detect(loop.rough, recording, config.n_threads, progress);
-    if (config.with_smooth_ball) record_and_detect(loop.smooth, recording, config.n_threads, progress);
-  });
-  split_sound_stage(loop);
-  timed(loop, "restitution_and_fit", [&] { fit_everything(loop, config, progress); });
-  timed(loop, "theory", [&] {
+  loop.clock.time("simulate", [&] { simulate_balls(config, loop, progress); });
+  config.recording ? sound_together(loop, config, progress) : sound_by_drop(loop, config, progress);
+  loop.clock.time("restitution_and_fit", [&] { fit_everything(loop, config, progress); });
+  loop.clock.time("theory", [&] {
     const sim::ContactOffset offset =
         contact_offset_of(config.simulation.ball, config.surface ? &*config.surface : nullptr, config.radius_law,
                           config.n_asperities, config.n_threads);
     const auto reservoir = [&] {
-      loop.reservoir =
-          reservoir_check(loop.rough.impacts, loop.reservoirs, true_onsets_of(loop.rough.drops, loop.rough.name),
-                          onsets_of(loop.rough.drops), loop.rough.score.match, loop.samples_sound, loop.sound,
-                          loop.simulation.gravity_mps2);
+      loop.reservoir = reservoir_check(loop.rough.impacts, loop.reservoirs, true_onsets_of(loop.rough.recordings),
+                                       onsets_of(loop.rough.recordings), loop.rough.score.match, loop.samples_sound,
+                                       loop.sound, loop.simulation.gravity_mps2);
     };
     const auto theory = [&] {
       loop.theory = scatter_theory(loop.simulation, offset, loop.rough.impacts, loop.sound.histograms);
@@ -196,7 +199,7 @@ fit::BudgetConfig budget_config_of(const sim::SimulationConfig& simulation) {
 double sound_s(const LoopResult& loop) {
   double sum = 0.0;
   for (const BallResult* ball : {&loop.rough, &loop.smooth})
-    for (const DropResult& drop : ball->drops) sum += drop.sound_s;
+    for (const RecordingResult& r : ball->recordings) sum += r.sound_s;
   return sum;
 }
 

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "bouncelab/loop/drops.hpp"
+#include "bouncelab/loop/closed_loop.hpp"
 
 #include <algorithm>
-#include <ctime>
 #include <mutex>
 #include <utility>
 
 #include "bouncelab/audio/audio_writer.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/detection/detect.hpp"
+#include "bouncelab/synthesis/synthesize.hpp"
 
 namespace bouncelab::loop {
 namespace {
@@ -27,17 +27,6 @@ std::vector<std::size_t> begins_of_drops(const Impacts& impacts) {
 Impacts rows_of(const Impacts& impacts, std::size_t first, std::size_t last) {
   const auto at = [&](std::size_t k) { return impacts.rows.begin() + static_cast<std::ptrdiff_t>(k); };
   return {{at(first), at(last)}, {}};
-}
-
-double thread_processor_time_s() {
-  std::timespec now{};
-  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
-
-/// BALL.0017.flac
-std::string recording_name(const std::string& ball, std::int64_t drop) {
-  return synthesis::path_of_drop(ball + ".flac", drop).string();
 }
 
 void keep(const std::vector<float>& samples, const synthesis::SynthesisConfig& config, const fs::path& path) {
@@ -64,28 +53,28 @@ DropRecording drop_recording(const synthesis::SynthesisConfig& config, const Imp
   return recording;
 }
 
-DropResult run_drop(const Impacts& impacts, const std::string& ball, const DropRecording& recording) {
-  DropResult result;
-  result.drop = impacts.rows.front().drop;
-  const double start_s = thread_processor_time_s();
-  const synthesis::SynthesisConfig config = synthesis::config_of_drop(recording.config, recording.levels, result.drop);
+RecordingResult run_drop(const Impacts& impacts, const std::string& ball, const DropRecording& recording) {
+  RecordingResult result;
+  const std::int64_t drop = impacts.rows.front().drop;
+  const double start_s = processor_time_s(CLOCK_THREAD_CPUTIME_ID);
+  const synthesis::SynthesisConfig config = synthesis::config_of_drop(recording.config, recording.levels, drop);
   const synthesis::SyntheticRecording sound(impacts, config, recording.instrument);
   const std::vector<float> samples = sound.samples_as_read_back();
   result.truth = sound.truth();
   result.sound_s = static_cast<double>(samples.size()) / config.rate_hz;
-  const std::string name = recording_name(ball, result.drop);
-  if (recording.folder) keep(samples, config, *recording.folder / name);
-  const double synthesized_s = thread_processor_time_s();
-  result.onsets = detection::detect(samples, config.rate_hz, name).onsets;
+  result.recording = synthesis::path_of_drop(ball + ".flac", drop).string();
+  if (recording.folder) keep(samples, config, *recording.folder / result.recording);
+  const double synthesized_s = processor_time_s(CLOCK_THREAD_CPUTIME_ID);
+  result.onsets = detection::detect(samples, config.rate_hz, result.recording).onsets;
   result.synthesize_s = synthesized_s - start_s;
-  result.detect_s = thread_processor_time_s() - synthesized_s;
+  result.detect_s = processor_time_s(CLOCK_THREAD_CPUTIME_ID) - synthesized_s;
   return result;
 }
 
-std::vector<DropResult> run_drops(const Impacts& impacts, const std::string& ball, const DropRecording& recording,
-                                  int n_threads, const ProgressCallback& progress) {
+std::vector<RecordingResult> run_drops(const Impacts& impacts, const std::string& ball, const DropRecording& recording,
+                                       int n_threads, const ProgressCallback& progress) {
   const std::vector<std::size_t> begins = begins_of_drops(impacts);
-  std::vector<DropResult> drops(begins.size() - 1);
+  std::vector<RecordingResult> drops(begins.size() - 1);
   std::mutex mutex;
   std::size_t n_done = 0;
   parallel_for(drops.size(), n_threads, [&](std::size_t k) {
@@ -96,33 +85,49 @@ std::vector<DropResult> run_drops(const Impacts& impacts, const std::string& bal
   return drops;
 }
 
-Onsets onsets_of(const std::vector<DropResult>& drops) {
+RecordingResult synthesize_together(const Impacts& impacts, const synthesis::SynthesisConfig& config,
+                                    const fs::path& file, const ProgressCallback& progress) {
+  RecordingResult result;
+  result.recording = file.string();
+  const auto take = [&](const synthesis::DropTruth& drop) {
+    result.truth.insert(result.truth.end(), drop.impacts.begin(), drop.impacts.end());
+    result.others.insert(result.others.end(), drop.others.begin(), drop.others.end());
+  };
+  result.sound_s = synthesis::synthesize(synthesis::drops_of(impacts), config, file, true, take, progress).duration_s;
+  return result;
+}
+
+void detect_together(RecordingResult& result, int n_threads, const ProgressCallback& progress) {
+  result.onsets = std::move(detection::detect({fs::path(result.recording)}, {}, n_threads, progress).front().onsets);
+}
+
+Onsets onsets_of(const std::vector<RecordingResult>& recordings) {
   Onsets all;
   std::size_t n = 0;
-  for (const DropResult& drop : drops) n += drop.onsets.size();
+  for (const RecordingResult& r : recordings) n += r.onsets.size();
   all.reserve(n);
-  for (const DropResult& drop : drops) all.insert(all.end(), drop.onsets.begin(), drop.onsets.end());
+  for (const RecordingResult& r : recordings) all.insert(all.end(), r.onsets.begin(), r.onsets.end());
   return all;
 }
 
-Onsets true_onsets_of(const std::vector<DropResult>& drops, const std::string& ball) {
+Onsets true_onsets_of(const std::vector<RecordingResult>& recordings) {
   Onsets all;
   std::size_t n = 0;
-  for (const DropResult& drop : drops) n += drop.truth.size();
+  for (const RecordingResult& r : recordings) n += r.truth.size();
   all.reserve(n);
-  for (const DropResult& drop : drops) {
-    const Onsets truth = synthesis::onsets_of_truth(drop.truth, recording_name(ball, drop.drop));
+  for (const RecordingResult& r : recordings) {
+    const Onsets truth = synthesis::onsets_of_truth(r.truth, r.recording);
     all.insert(all.end(), truth.begin(), truth.end());
   }
   return all;
 }
 
-Table truth_table_of(const std::vector<DropResult>& drops, const std::string& ball) {
+Table truth_table_of(const std::vector<RecordingResult>& recordings) {
   std::vector<synthesis::TrueImpact> all;
   std::vector<std::string> names;
-  for (const DropResult& drop : drops) {
-    all.insert(all.end(), drop.truth.begin(), drop.truth.end());
-    names.insert(names.end(), drop.truth.size(), recording_name(ball, drop.drop));
+  for (const RecordingResult& r : recordings) {
+    all.insert(all.end(), r.truth.begin(), r.truth.end());
+    names.insert(names.end(), r.truth.size(), r.recording);
   }
   Table table = synthesis::truth_table(all, "");
   table.columns.front().values = std::move(names);

@@ -209,31 +209,4 @@ Description members_of(const SweepPoint*) {
   return all;
 }
 
-Description members_of(const MemoryCalibrationRow*) {
-  using R = MemoryCalibrationRow;
-  static constexpr Member all[]{
-      member<&R::quantity>("quantity", "`eps_025`, `A2`, `q` ..."),
-      member<&R::n>("n", "Fits"),
-      member<&R::pull_mean>("pull_mean", "Mean of (estimate - truth) / se").left_out_where_unknown(),
-      member<&R::pull_sd>("pull_sd", "Its standard deviation").left_out_where_unknown(),
-      member<&R::coverage68>("coverage68", "Share of the 68 % intervals that hold the truth").left_out_where_unknown(),
-      member<&R::coverage95>("coverage95", "Of the 95 % intervals").left_out_where_unknown(),
-      member<&R::rms_error>("rms_error", "Of the fit with memory").left_out_where_unknown(),
-      member<&R::rms_error_independent>("rms_error_independent", "Of that to independent impacts")
-          .left_out_where_unknown(),
-      member<&R::gain>("gain", "Mean square error of the latter over that of the former").left_out_where_unknown()};
-  return all;
-}
-
-Description members_of(const MemoryCalibrationGroup*) {
-  using G = MemoryCalibrationGroup;
-  static constexpr Member all[]{member<&G::family>("family", "What they have in common: `radii`, `release` ..."),
-                                member<&G::name>("name", "Its value"),
-                                member<&G::n>("n", "Experiments"),
-                                member<&G::n_failed>("n_failed", "Without a fit"),
-                                member<&G::n_holds>("n_holds", "Whose test of the model passes"),
-                                member<&G::rows>("rows", "A row for each quantity")};
-  return all;
-}
-
 }  // namespace bouncelab::loop

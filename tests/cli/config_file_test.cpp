@@ -28,7 +28,7 @@ class ConfigFile : public ProgramTest {
 TEST_F(ConfigFile, ASectionBelongsToItsCommand) {
   const std::string seed5 = simulated("drops = 2\nimpacts = 3\nseed = 5\n");
   EXPECT_EQ(simulated("drops = 2\nimpacts = 3\n[simulate]\nseed = 5\n[synthesize]\nseed = 6\nsnr_db = 20\n"), seed5);
-  EXPECT_EQ(simulated("drops = 2\nimpacts = 3\nseed = 5\n[loop]\ndrops = 7\n[calibrate]\nseed = 9\n"), seed5);
+  EXPECT_EQ(simulated("drops = 2\nimpacts = 3\nseed = 5\n[loop]\ndrops = 7\n[fit]\nseed = 9\n"), seed5);
 }
 
 TEST_F(ConfigFile, UnknownKeysAndSectionsAreNamedByLineWhoseverTheyAre) {

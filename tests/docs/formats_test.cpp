@@ -12,11 +12,9 @@
 #include <sstream>
 
 #include "bouncelab/fit/between_recordings.hpp"
-#include "bouncelab/fit/calibration.hpp"
 #include "bouncelab/fit/group_differences.hpp"
 #include "bouncelab/loop/loop.hpp"
 #include "bouncelab/report/answer.hpp"
-#include "bouncelab/report/conclusions.hpp"
 #include "bouncelab/report/notes.hpp"
 #include "bouncelab/synthesis/synthesize.hpp"
 #include "support/places.hpp"
@@ -54,11 +52,9 @@ const std::map<std::string, Description>& all_described() {
         named<fit::FitResult>("FitResult"), named<fit::Grouping>("Grouping"), named<fit::Drift>("Drift"),
         named<fit::BetweenRecordings>("BetweenRecordings"), named<fit::GroupLaw>("GroupLaw"),
         named<fit::GroupDifference>("GroupDifference"), named<fit::GroupDifferences>("GroupDifferences"),
-        named<fit::CalibrationRow>("CalibrationRow"), named<loop::LoopScore>("LoopScore"),
-        named<loop::ScatterTheory>("ScatterTheory"), named<loop::ReservoirCheck>("ReservoirCheck"),
-        named<loop::ReservoirOfDrop>("ReservoirOfDrop"), named<loop::RecordingDetails>("RecordingDetails"),
-        named<loop::MemoryCalibrationGroup>("MemoryCalibrationGroup"),
-        named<loop::MemoryCalibrationRow>("MemoryCalibrationRow"), named<report::DropsSeen>("DropsSeen"),
+        named<loop::LoopScore>("LoopScore"), named<loop::ScatterTheory>("ScatterTheory"),
+        named<loop::ReservoirCheck>("ReservoirCheck"), named<loop::ReservoirOfDrop>("ReservoirOfDrop"),
+        named<loop::RecordingDetails>("RecordingDetails"), named<report::DropsSeen>("DropsSeen"),
         named<report::SpeedAndRestitution>("SpeedAndRestitution"), named<report::PlainAnswer>("PlainAnswer"),
         named<report::Cause>("Cause"), named<report::FitInWords>("FitInWords"), named<report::Taken>("Taken"),
         named<report::Conclusion>("Conclusion"));

@@ -12,14 +12,6 @@ TEST_F(ManyThreads, ChangeNoByteOfAnyCommand) {
     SCOPED_TRACE(job.arguments);
     EXPECT_LE(undisturbed(job, {1, 2, 7}).exit_code, 1);  // 1: a fit that is not usable, from so few impacts
   }
-  const std::string calibrate = "calibrate --samples 2000 --seeds 4 --json --threads ";
-  const Result alone = run(calibrate + "1");
-  EXPECT_EQ(alone.exit_code, 0) << alone.err;
-  for (const char* n_threads : {"2", "7"}) {
-    const Result result = run(calibrate + n_threads);
-    EXPECT_EQ(result.exit_code, 0) << result.err;  // the thread sanitizer reports by it
-    EXPECT_EQ(result.out, alone.out);
-  }
 }
 
 }  // namespace

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "bouncelab/core/random.hpp"
-#include "bouncelab/fit/calibration.hpp"
 #include "bouncelab/fit/fit.hpp"
+#include "calibration.hpp"
 #include "support/sanitizers.hpp"
 #include "support/statistics.hpp"
 #include "synthetic_samples.hpp"

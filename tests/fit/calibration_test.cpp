@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "bouncelab/fit/calibration.hpp"
+#include "calibration.hpp"
 
 #include <gtest/gtest.h>
 

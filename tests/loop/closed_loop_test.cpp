@@ -18,9 +18,9 @@ TEST(ClosedLoop, WhatWentInComesOutWithinTheErrorsStated) {
   EXPECT_EQ(loop.rough.score.n_true, 4u * 80u);
   EXPECT_GE(loop.rough.score.n_found, 4u * 80u * 99u / 100u);
   EXPECT_LE(loop.rough.score.n_invented, 3u);
-  EXPECT_TRUE(loop.smooth.drops.empty());
+  EXPECT_TRUE(loop.smooth.recordings.empty());
   const LoopScore score =
-      score_loop(loop.rough.drops.size(), loop.rough.score, loop.simulation.law, loop.true_times, loop.sound);
+      score_loop(loop.rough.recordings.size(), loop.rough.score, loop.simulation.law, loop.true_times, loop.sound);
   ASSERT_EQ(score.nodes.size(), 3u);
   for (const ComparedNode& node : score.nodes) {
     ASSERT_TRUE(node.eps.from_sound && node.eps.from_sound->se);

@@ -17,7 +17,7 @@ NOT_IN = {"simulate": {"write_surface"}, "synthesize": {"truth", "each_drop", "c
           # that draws no random numbers; from_csv takes what files are
           "restitution": {"seed", "threads", "as", "columns", "tier"}}
 IN_PYTHON = {"progress", "name"}
-COMMANDS = ["simulate", "synthesize", "detect", "restitution", "fit", "roughness", "calibrate", "loop"]
+COMMANDS = ["simulate", "synthesize", "detect", "restitution", "fit", "roughness", "loop"]
 
 
 class Keywords(Case):

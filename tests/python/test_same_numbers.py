@@ -121,13 +121,7 @@ class Stages(Case):
                 self.assertEqual((list(fit.nodes), list(fit.parameters)), ([0.8, 1.1], ["A2", "A4"]))
         keywords = dict(goodness_replicates=9, ball="steel:6mm", plate="glass")
         self.assertEqual(quiet(bl.roughness, samples, **keywords).results, printed("roughness", csv, **keywords))
-        keywords = dict(samples=300, seeds=3, timing=8.7e-4, seed=4)
-        self.assertEqual(bl.calibrate(**keywords).results, printed("calibrate", **keywords))
-        keywords = dict(memory=True, experiments=1, drops=(5, 5), impacts=14)
-        summary = printed("calibrate", out=self.path("e.csv"), **keywords)
-        calibration = bl.calibrate(**keywords)
-        self.assertEqual(calibration.results, summary)
-        self.assert_same_columns(calibration.experiments, self.path("e.csv"))
+
 
 
 class Loop(Case):
@@ -157,7 +151,7 @@ class Loop(Case):
 
 def without_seconds(text):
     found = json.loads(text)
-    return {name: value for name, value in found.items() if "second" not in name}
+    return {name: value for name, value in found.items() if "second" not in name and "memory" not in name}
 
 
 if __name__ == "__main__":

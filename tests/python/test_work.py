@@ -83,8 +83,7 @@ class Progress(Case):
         works = [(lambda p: bl.simulate(drops=30, impacts=30, asperities=20000, progress=p), "simulate", "drops"),
                  (lambda p: small_sound(bl, impacts, progress=p), "synthesize", "segments"),
                  (lambda p: bl.detect(small_sound(bl, impacts), progress=p), "detect", "s of sound"),
-                 (lambda p: bl.fit(bl.Samples(v=impacts.v, eps=impacts.eps), bootstrap=10, progress=p), "fit", "fits"),
-                 (lambda p: bl.calibrate(samples=200, seeds=3, progress=p), "calibrate", "seeds")]
+                 (lambda p: bl.fit(bl.Samples(v=impacts.v, eps=impacts.eps), bootstrap=10, progress=p), "fit", "fits")]
         for work, label, unit in works:
             calls = []
             work(lambda *call: calls.append(call))
@@ -105,8 +104,7 @@ class Progress(Case):
         def stop(*_):
             raise mine
 
-        for work in (lambda: bl.simulate(drops=100000, progress=stop),
-                     lambda: bl.calibrate(seeds=100000, progress=stop)):
+        for work in (lambda: bl.simulate(drops=100000, progress=stop),):
             with self.assertRaises(Mine) as raised:
                 work()
             self.assertIs(raised.exception, mine)

@@ -99,15 +99,6 @@ FUNCTIONS = {
             >>> found = bl.roughness(columns, ball="steel:6mm", plate="glass", goodness_replicates=9)
             >>> bool(found.q.lo95 < found.q.value < found.q.hi95)
             True'''),
-    "calibrate": dict(
-        what="Calibration of the fit: pulls and coverage on simulated experiments.",
-        returns=("Calibration", "What is stated against what is missed."),
-        call="_stages.calibrate(given, progress)",
-        example='''
-            >>> import bouncelab as bl
-            >>> calibration = bl.calibrate(samples=300, seeds=2)
-            >>> "rows" in calibration.to_dict()
-            True'''),
     "validate": dict(
         what="An onset detector against synthesized sound whose times are exactly known.",
         positional=[
@@ -241,7 +232,7 @@ from typing import Any, Dict, Literal, Optional, Sequence, Union
 
 from . import stages as _stages
 from .progress import Callback
-from .results import Calibration, Fit, Impacts, Loop, Onsets, Recording, Roughness, Samples, Validation
+from .results import Fit, Impacts, Loop, Onsets, Recording, Roughness, Samples, Validation
 
 '''
 text += "\n".join("\n" + function(name, spec) for name, spec in FUNCTIONS.items())

@@ -2,20 +2,19 @@
 #include "stages/loop.hpp"
 
 #include <fmt/format.h>
+#include <sys/resource.h>
 
 #include <filesystem>
+#include <functional>
 
-#include "bouncelab/core/core.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/files.hpp"
-#include "bouncelab/core/onsets.hpp"
-#include "bouncelab/core/table.hpp"
-#include "bouncelab/detection/score.hpp"
+#include "bouncelab/core/parallel.hpp"
 #include "bouncelab/detection/wave_preview.hpp"
 #include "bouncelab/loop/loop_score.hpp"
-#include "stages/detect.hpp"
+#include "bouncelab/report/answer.hpp"
+#include "bouncelab/report/notes.hpp"
 #include "stages/files/table_file.hpp"
-#include "stages/fit.hpp"
 #include "stages/loop_results.hpp"
 #include "stages/progress_line.hpp"
 #include "stages/report.hpp"
@@ -25,134 +24,100 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const char* const kOutputs[] = {"impacts.csv",    "recording.wav",
-                                "truth.csv",      "onsets.csv",
-                                "samples.csv",    "samples_from_true_times.csv",
-                                "fit.json",       "fit_from_true_times.json",
-                                "histograms.csv", "wave.json",
-                                "summary.json",   "report.html"};
+bool is_paper(const LoopOptions& options) { return options.preset == "paper"; }
 
-/// The files of one loop.
-struct LoopFiles {
-  explicit LoopFiles(const fs::path& folder)
-      : impacts(folder / "impacts.csv"),
-        recording(folder / "recording.wav"),
-        truth(folder / "truth.csv"),
-        onsets(folder / "onsets.csv"),
-        samples(folder / "samples.csv"),
-        samples_true(folder / "samples_from_true_times.csv"),
-        fit(folder / "fit.json"),
-        fit_true(folder / "fit_from_true_times.json"),
-        histograms(folder / "histograms.csv"),
-        wave(folder / "wave.json"),
-        summary(folder / "summary.json"),
-        report(folder / "report.html") {}
-  fs::path impacts, recording, truth, onsets, samples, samples_true, fit, fit_true, histograms, wave, summary, report;
-};
-
-/// Impact times -> samples -> fit, each in a file of the folder.
-Stage<fit::FitResult> times_to_constants(const loop::LoopConfig& config, const Run& run, const fs::path& onsets,
-                                         const fs::path& samples, const fs::path& fit_json,
-                                         const fs::path& histograms) {
-  RestitutionOptions restitution;
-  restitution.onsets = {onsets};
-  restitution.out = samples;
-  restitution.config = loop::restitution_config_of(config.simulation);
-  const Stage<fit::RestitutionCounts> intervals = run_restitution(restitution, run);
-  FitOptions fit;
-  fit.config.memory = fit::UseMemory::never;  // that is for the preset `paper`
-  fit.config.law.node_speeds_mps = config.node_speeds_mps;
-  fit.config.budget = loop::budget_config_of(config.simulation);
-  fit.samples = {samples.string()};
-  fit.out = fit_json;
-  fit.histograms = histograms;
-  Stage<fit::FitResult> fitted = run_fit(fit, run);
-  fitted.outcome.notes = joined(intervals.outcome.notes, fitted.outcome.notes);
-  return fitted;
+/// The names of what a loop leaves in its folder.
+std::vector<std::string> outputs_of(const LoopOptions& options) {
+  std::vector<std::string> names{"impacts.csv",    "truth.csv",
+                                 "onsets.csv",     "samples.csv",
+                                 "fit.json",       "samples_from_true_times.csv",
+                                 "histograms.csv", "fit_from_true_times.json",
+                                 "summary.json",   "report.html"};
+  const std::vector<std::string> more =
+      is_paper(options) ? std::vector<std::string>{"fit_from_simulation.json", "fit_smooth_ball.json", "paper.json"}
+                        : std::vector<std::string>{"recording.wav", "wave.json"};
+  names.insert(names.end(), more.begin(), more.end());
+  return names;
 }
 
-Onsets read_onsets(const fs::path& path) { return onsets_from_table(read_table(path, onset_columns()), path.string()); }
-
-/// Impact times -> sound -> impact times, each in a file of the folder.
-///
-/// Without states the synthesizer strikes each drop at one point: by the paper's contact rule the ball wanders off a
-/// plate of 30 x 20 cm in some 30 bounces, which the experiment's balls did not.
-Outcome times_to_times(const LoopOptions& options, const LoopFiles& files, const Run& run, StageClock& clock,
-                       std::vector<sim::Reservoir>& reservoirs) {
-  SimulateOptions simulate = with_world(options.simulate, options.world);
-  simulate.out = files.impacts;
-  clock.time("simulate", [&] { return run_simulate(simulate, run, &reservoirs); });
-  SynthesizeOptions synthesize = with_world(options.synthesize, options.world);
-  synthesize.impacts = files.impacts;
-  synthesize.out = files.recording;
-  synthesize.truth = files.truth;
-  clock.time("synthesize", [&] { return run_synthesize(synthesize, run); });
-  DetectOptions detect;
-  detect.recordings = {files.recording};
-  detect.out = files.onsets;
-  return clock.time("detect", [&] { return run_detect(detect, run); });
+double peak_memory_bytes() {
+  rusage usage{};
+  ::getrusage(RUSAGE_SELF, &usage);
+  return 1024.0 * static_cast<double>(usage.ru_maxrss);
 }
 
-std::optional<loop::ScatterTheory> theory_of(const LoopOptions& options, const loop::LoopConfig& config,
-                                             const Impacts& impacts, const fit::FitResult& sound) {
-  const std::optional<sim::Surface> surface = surface_from_file(options.simulate, config.simulation.ball);
-  const sim::ContactOffset offset = loop::contact_offset_of(config.simulation.ball, surface ? &*surface : nullptr,
-                                                            sim::radius_law_from_text(options.simulate.radius_law),
-                                                            options.simulate.n_asperities, config.simulation.n_threads);
-  return loop::scatter_theory(config.simulation, offset, impacts, sound.histograms);
+void write_tables(const loop::LoopResult& loop, const fs::path& folder, const Run& run) {
+  const std::vector<std::function<void()>> tables{
+      [&] { write_table(run, folder / "truth.csv", truth_table_of(loop.rough.recordings)); },
+      [&] { write_table(run, folder / "samples.csv", to_table(loop.samples_sound)); },
+      [&] { write_table(run, folder / "histograms.csv", fit::histogram_table(loop.sound.histograms)); },
+      [&] { write_table(run, folder / "impacts.csv", to_table(loop.rough.impacts)); },
+      [&] { write_table(run, folder / "onsets.csv", to_table(onsets_of(loop.rough.recordings))); },
+      [&] { write_table(run, folder / "samples_from_true_times.csv", to_table(loop.samples_true)); }};
+  parallel_for(tables.size(), run.common.n_threads, [&](std::size_t k) { tables[k](); });
 }
 
-/// 40 drops or so, every stage on the files of the contract: any of them can be run again by hand.
-Outcome run_through_files(const LoopOptions& options, const Run& run) {
-  loop::LoopConfig config;  // what is wrong with it is said before the work
+/// @param sound  fit to the sound, in words
+void write_fits(const loop::LoopResult& loop, const report::FitInWords& sound, const fs::path& folder, const Run& run) {
+  const auto write = [&](const char* name, const fit::FitResult& fit, const report::FitInWords& words,
+                         const std::vector<fs::path>& inputs) {
+    write_text(run, folder / name, json_text(report::object_of(fit, words), 1) + "\n", inputs);
+  };
+  write("fit.json", loop.sound, sound, {folder / "samples.csv"});
+  write("fit_from_true_times.json", loop.true_times, report::in_words(loop.true_times, loop.samples_true),
+        {folder / "samples_from_true_times.csv"});
+  if (loop.smooth.recordings.empty()) return;
+  write("fit_from_simulation.json", loop.direct, report::in_words(loop.direct, loop.samples_direct),
+        {folder / "impacts.csv"});
+  write("fit_smooth_ball.json", loop.smooth_sound, report::in_words(loop.smooth_sound, loop.samples_smooth), {});
+}
+
+/// What lies beside the one recording, and its picture.
+void write_recording(const loop::LoopResult& loop, const fs::path& folder, const Run& run) {
+  const loop::RecordingResult& sound = loop.rough.recordings.front();
+  const fs::path file = sound.recording;
+  write_provenance(file, provenance(run, {folder / "impacts.csv"}, sha256_of_file(file)));
+  if (!sound.others.empty())
+    write_table(run, folder / "recording.others.csv", synthesis::others_table(sound.others), {folder / "impacts.csv"});
+  write_text(run, folder / "wave.json", json_text(value_of(detection::wave_preview(file, 0, sound.onsets))) + "\n",
+             {file});
+}
+
+/// The loop that the options describe, but for the files that it reads.
+/// @param through_memory  a recording for each drop, which has one channel
+/// @throws InvalidArgument
+loop::LoopConfig loop_config(const LoopOptions& options, const CommonOptions& common, bool through_memory) {
+  loop::LoopConfig config;
   config.simulation =
-      simulation_config(with_world(options.simulate, options.world), run.common.seed, run.common.n_threads);
-  synthesis_config(with_world(options.synthesize, options.world), run.common.seed, run.common.n_threads);
-  const fs::path folder = options.out;
-  const OutputFolder output_folder(folder);
-  std::vector<fs::path> outputs;
-  for (const char* name : kOutputs) outputs.push_back(folder / name);
-  check_files(run, simulation_inputs(options.simulate), outputs, {folder / "recording.others.csv"});
-  const LoopFiles files(folder);
+      simulation_config(with_world(options.scene.simulate, options.scene.world), common.seed, common.n_threads);
+  config.synthesis =
+      synthesis_config(with_world(options.scene.synthesize, options.scene.world), common.seed, common.n_threads);
+  if (through_memory && config.synthesis.channels.size() != 1)
+    throw InvalidArgument("--channel: a loop through memory has one sensor, not " +
+                          std::to_string(config.synthesis.channels.size()) +
+                          "; give one, or use --preset quick without lists");
+  config.n_asperities = options.scene.simulate.n_asperities;
+  config.radius_law = sim::radius_law_from_text(options.scene.simulate.radius_law);
+  config.n_threads = common.n_threads;
+  if (options.keep_sound && is_paper(options)) config.sound_folder = fs::path(options.out) / "sound";
+  return config;
+}
 
-  StageClock clock;
-  std::vector<sim::Reservoir> reservoirs;
-  Outcome detected = times_to_times(options, files, run, clock, reservoirs);
-  if (detected.exit_code != kDone) return detected;
-  Stage<fit::FitResult> from_truth, from_sound;
-  clock.time("restitution_and_fit", [&] {
-    from_truth = times_to_constants(config, run, files.truth, files.samples_true, files.fit_true, {});
-    from_sound = times_to_constants(config, run, files.onsets, files.samples, files.fit, files.histograms);
-  });
-  const Onsets truth = read_onsets(files.truth), found = read_onsets(files.onsets);
-  clock.time("wave", [&] {
-    write_text(run, files.wave, json_text(value_of(detection::wave_preview(files.recording, 0, found))) + "\n",
-               {files.recording});
-  });
+/// What the loop reads is there, and nothing that it writes is, unless --force was given. @throws as check_files
+void check_loop_files(const LoopOptions& options, const std::vector<std::string>& outputs, const Run& run) {
+  std::vector<fs::path> files;
+  for (const std::string& name : outputs) files.push_back(fs::path(options.out) / name);
+  check_files(run, simulation_inputs(options.scene.simulate), files, {fs::path(options.out) / "recording.others.csv"});
+}
 
-  const loop::LoopScore score =
-      loop::score_loop(static_cast<std::size_t>(config.simulation.n_drops), detection::score_onsets(truth, found),
-                       config.simulation.law, from_truth.result, from_sound.result);
-  const Outcome& fitted = from_sound.outcome;
-  std::optional<loop::ScatterTheory> theory;
-  std::optional<loop::ReservoirCheck> reservoir;
-  clock.time("theory", [&] {
-    const Impacts impacts = impacts_from_table(read_table(files.impacts, impact_columns()), files.impacts.string());
-    theory = theory_of(options, config, impacts, from_sound.result);
-    reservoir =
-        loop::reservoir_check(impacts, reservoirs, truth, found, score.onsets.match,
-                              samples_from_table(read_table(files.samples, sample_columns()), files.samples.string()),
-                              from_sound.result, config.simulation.gravity_mps2);
-  });
-  const Object summary =
-      loop_summary(score, clock.seconds(), fitted.notes, theory, reservoir,
-                   section_of(config.simulation.ball, surface_of(options.simulate, config.simulation)));
-  write_text(run, files.summary, json_text(summary, 2) + "\n",
-             {files.impacts, files.truth, files.onsets, files.fit, files.fit_true});
-  const Outcome shown = run_report({folder, files.report, "The closed loop: what went in and what came out"}, run);
-  return {fitted.exit_code, summary,
-          ball_line(options.world) + loop_text(score, reservoir, clock.seconds()) + shown.text, fitted.notes,
-          fitted.error};
+loop::LoopConfig config_of_run(const LoopOptions& options, const Run& run) {
+  loop::LoopConfig config = loop_config(options, run.common, is_paper(options));
+  config.surface = surface_from_file(options.scene.simulate, config.simulation.ball);
+  config.with_smooth_ball = config.with_direct = is_paper(options);
+  config.with_memory = is_paper(options) && !options.without_memory;
+  if (!is_paper(options)) config.recording = fs::path(options.out) / "recording.wav";
+  if (config.sound_folder) fs::create_directories(*config.sound_folder);
+  return config;
 }
 
 }  // namespace
@@ -161,53 +126,123 @@ std::vector<Section> loop_sections(LoopOptions& options) {
   using O = LoopOptions;
   static constexpr Member own[]{
       member<&O::preset>("preset",
-                         "quick: 40 drops of the paper's ball, 96 kHz, noise at 30 dB, every stage on files.\n"
-                         "paper: 2,320 drops of 95 impacts, through memory")
+                         "quick: 40 drops of the paper's ball in one recording, 96 kHz, noise at 30 dB.\n"
+                         "paper: 2,320 drops of 95 impacts, each a recording, through memory")
           .one_of("quick,paper"),
       member<&O::out>("out", "Folder for every file of the run").writes("FOLDER").required(),
       member<&O::keep_sound>("keep_sound", "paper: keep the sound too, DIR/sound/*.flac, 3 MB a drop"),
       member<&O::without_memory>("no_memory",
                                  "paper: without the fits with memory, which take three quarters of the time")};
-  std::vector<Section> sections = scene_sections(options.world, options.simulate, options.synthesize);
+  std::vector<Section> sections = scene_sections(options.scene);
   sections.insert(sections.begin(), {"", own, &options});
   return sections;
 }
 
 void apply_loop_preset(LoopOptions& options, Run& run) {
   if (options.preset != "paper") return;
-  apply_paper_preset(options.simulate, run);
+  apply_paper_preset(options.scene.simulate, run);
   const auto set = [&](const std::string& name, double& value, double to) {
     if (run.given.contains(name)) return;
     value = to;
     set_parameter(run.parameters, name, fmt::format("{:g}", to));
   };
-  set("lead-in", options.synthesize.config.lead_in_s, loop::kPaperLeadIn_s);
-  set("pause", options.synthesize.config.pause_s, loop::kPaperPause_s);
+  set("lead-in", options.scene.synthesize.config.lead_in_s, loop::kPaperLeadIn_s);
+  set("pause", options.scene.synthesize.config.pause_s, loop::kPaperPause_s);
 }
 
-loop::LoopConfig loop_config(const LoopOptions& options, const CommonOptions& common) {
-  loop::LoopConfig config;
-  config.simulation = simulation_config(with_world(options.simulate, options.world), common.seed, common.n_threads);
-  config.synthesis = synthesis_config(with_world(options.synthesize, options.world), common.seed, common.n_threads);
-  if (config.synthesis.channels.size() != 1)
-    throw InvalidArgument("--channel: a loop through memory has one sensor, not " +
-                          std::to_string(config.synthesis.channels.size()) +
-                          "; give one, or use --preset quick without lists");
-  config.n_asperities = options.simulate.n_asperities;
-  config.radius_law = sim::radius_law_from_text(options.simulate.radius_law);
-  config.n_threads = common.n_threads;
-  if (options.keep_sound) config.sound_folder = fs::path(options.out) / "sound";
-  return config;
+namespace {
+
+Outcome run_sweep(const LoopOptions& options, const Run& run) {
+  const fs::path folder = options.out;
+  const std::vector<loop::Settings> all = loop::combinations(run.sweep);
+  const auto config_of = [&](const loop::Settings& settings, bool with_files) {
+    LoopOptions changed = options;
+    CommonOptions common = run.common;
+    try {
+      set_scene(changed.scene, common, settings);
+      loop::LoopConfig config = loop_config(changed, common, true);
+      if (with_files) config.surface = surface_from_file(changed.scene.simulate, config.simulation.ball);
+      return config;
+    } catch (const InvalidArgument& error) {
+      throw InvalidArgument("sweep, " + loop::text_of(settings) + ": " + error.what());
+    }
+  };
+  for (const loop::Settings& settings : all) config_of(settings, false);  // errors before the work
+  const OutputFolder output_folder(folder);
+  check_loop_files(options, {"sweep.csv", "sweep.json", "report.html"}, run);
+  const ProgressCallback progress = progress_line(run, "sweep", "points");
+  std::vector<loop::SweepPoint> points;
+  for (const loop::Settings& settings : all) {
+    progress(static_cast<double>(points.size()), static_cast<double>(all.size()));
+    const loop::LoopConfig config = config_of(settings, true);
+    points.push_back(loop::sweep_point(settings, loop::run_loop(config, interrupts_only), config.node_speeds_mps));
+  }
+  const std::vector<fs::path> inputs = files_named_by_options(run);
+  write_table(run, folder / "sweep.csv", to_table(points), inputs);
+  Object lists;
+  for (const loop::SweepAxis& axis : run.sweep) lists.emplace_back(axis.option, axis.values);
+  const Object sweep{{"lists", lists}, {"points", value_of(points)}};
+  write_text(run, folder / "sweep.json", json_text(sweep, 1) + "\n", inputs);
+  const Outcome shown = run_report({folder, folder / "report.html", "Sweep: results for each combination"}, run);
+  return {kDone, sweep, sweep_text(points) + shown.text, {}, ""};
 }
 
-void check_loop_files(const LoopOptions& options, const std::vector<std::string>& outputs, const Run& run) {
-  std::vector<fs::path> files;
-  for (const std::string& name : outputs) files.push_back(fs::path(options.out) / name);
-  check_files(run, simulation_inputs(options.simulate), files);
-}
+}  // namespace
 
 Outcome run_loop(const LoopOptions& options, const Run& run) {
-  return options.preset == "paper" ? run_paper_loop(options, run) : run_through_files(options, run);
+  if (!run.sweep.empty()) return run_sweep(options, run);
+  const fs::path folder = options.out;
+  loop_config(options, run.common, is_paper(options));  // what is wrong with it is said before there is a folder
+  const OutputFolder output_folder(folder);
+  check_loop_files(options, outputs_of(options), run);
+  loop::LoopResult result = loop::run_loop(config_of_run(options, run), stage_progress(run));
+
+  loop::StageClock& clock = result.clock;
+  const loop::LoopScore score =
+      loop::score_loop(static_cast<std::size_t>(result.simulation.n_drops), result.rough.score, result.simulation.law,
+                       result.true_times, result.sound);
+  const std::vector<loop::SlopeWindow> slopes = loop::slopes_of(result);
+  const std::vector<report::Conclusion> conclusions = report::paper_conclusions(
+      result.sound, is_paper(options) ? &result.smooth_sound : nullptr, result.simulation.law);
+  const report::FitInWords words = report::in_words(result.sound, result.samples_sound);
+  Run again = run;  // the summary is written twice
+  again.common.force = true;
+  const auto write_summary = [&](const Object& summary) {
+    write_text(again, folder / "summary.json", json_text(summary, 2) + "\n",
+               {folder / "onsets.csv", folder / "fit.json"});
+  };
+  clock.time("write", [&] {
+    write_tables(result, folder, run);
+    write_fits(result, words, folder, run);
+    if (is_paper(options))
+      write_text(run, folder / "paper.json", json_text(paper_results(result, slopes, conclusions), 1) + "\n",
+                 {folder / "fit.json"});
+    else
+      write_recording(result, folder, run);
+    write_summary(loop_summary(score, result, words.notes));
+  });
+  const Outcome shown = clock.time("report", [&] {
+    return run_report({folder, folder / "report.html",
+                       is_paper(options) ? "The paper's experiment, through sound and back"
+                                         : "The closed loop: what went in and what came out"},
+                      run);
+  });
+  // times and memory differ from run to run: they go into the summary alone, when everything else is written
+  const LoopWork work{loop::sound_s(result), peak_memory_bytes()};
+  Outcome outcome;
+  outcome.result = loop_summary(score, result, words.notes, work);
+  write_summary(outcome.result);
+  outcome.notes = words.notes;
+  outcome.text = ball_line(options.scene.world) + loop_text(score, result);
+  if (is_paper(options))
+    outcome.text += paper_text(slopes, conclusions) + work_text(work, clock.processor_s(), score.onsets.n_true);
+  outcome.text += shown.text;
+  if (!result.sound.law.law) {
+    outcome.exit_code = kNotUsable;
+    outcome.error = "the detected times give no law" +
+                    (result.sound.law.why ? ": " + report::in_words(*result.sound.law.why) : std::string());
+  }
+  return outcome;
 }
 
 }  // namespace bouncelab::stages

@@ -13,23 +13,14 @@ namespace bouncelab::stages {
 struct LoopOptions {
   std::string preset = "quick";
   std::string out;
-  BallChoice world = kPaperBall;  ///< of both stages, in place of their own
-  SimulateOptions simulate;
-  SynthesizeOptions synthesize;
-  bool keep_sound = false;      ///< of a run through memory
-  bool without_memory = false;  ///< of a run through memory: without the fits with memory
+  Scene scene;
+  bool keep_sound = false;      ///< of the paper's run
+  bool without_memory = false;  ///< of the paper's run: without the fits with memory
 };
 
-/// The loop through memory that the options describe. @throws InvalidArgument
-loop::LoopConfig loop_config(const LoopOptions& options, const CommonOptions& common);
-
-/// What the loop reads is there, and nothing that it writes is, unless --force was given. @throws as check_files
-void check_loop_files(const LoopOptions& options, const std::vector<std::string>& outputs, const Run& run);
-
-/// Through files, or with the preset `paper` through memory.
+/// Runs the loop and writes what it returned; of lists in the configuration file the loop of every combination, through
+/// memory, into sweep.csv, sweep.json and report.html. @throws InvalidArgument saying which combination is wrong
 Outcome run_loop(const LoopOptions& options, const Run& run);
-/// The paper's experiment at its own size, through memory and through sound.
-Outcome run_paper_loop(const LoopOptions& options, const Run& run);
 
 /// With the folder and the ball.
 std::vector<Section> loop_sections(LoopOptions& options);

@@ -92,19 +92,17 @@ Object spread_of(const fit::FitResult& fit) {
 
 }  // namespace
 
-Object loop_summary(const loop::LoopScore& score, const SecondsByStage& seconds, const std::vector<Note>& notes,
-                    const std::optional<loop::ScatterTheory>& theory,
-                    const std::optional<loop::ReservoirCheck>& reservoir, const sim::BallSection& ball,
+Object loop_summary(const loop::LoopScore& score, const loop::LoopResult& loop, const std::vector<Note>& notes,
                     const std::optional<LoopWork>& work) {
   Object summary = object_of(score);
-  if (theory) summary.emplace_back("theory", value_of(*theory));
-  if (reservoir) summary.emplace_back("reservoir", value_of(*reservoir));
-  if (ball.n_asperities > 0) summary.emplace_back("ball", value_of(ball));
-  summary.emplace_back("seconds", value_of(work ? work->wall_s : seconds));
+  if (loop.theory) summary.emplace_back("theory", value_of(*loop.theory));
+  if (loop.reservoir) summary.emplace_back("reservoir", value_of(*loop.reservoir));
+  if (loop.section.n_asperities > 0) summary.emplace_back("ball", value_of(loop.section));
   summary.emplace_back("notes", report::values_of(notes));
   if (work) {
+    summary.emplace_back("seconds", value_of(loop.clock.wall_s()));
     summary.emplace_back("sound_s", work->sound_s);
-    summary.emplace_back("processor_seconds", value_of(work->processor_s));
+    summary.emplace_back("processor_seconds", value_of(loop.clock.processor_s()));
     summary.emplace_back("peak_memory_bytes", work->peak_memory_bytes);
   }
   return summary;
@@ -117,15 +115,14 @@ Object paper_results(const loop::LoopResult& loop, const std::vector<loop::Slope
           {"spread", Object{{"simulation", spread_of(loop.direct)},
                             {"sound", spread_of(loop.sound)},
                             {"smooth_ball", spread_of(loop.smooth_sound)}}},
-          {"smooth_ball", Object{{"n_drops", value_of(loop.smooth.drops.size())},
+          {"smooth_ball", Object{{"n_drops", value_of(loop.smooth.recordings.size())},
                                  {"n_impacts", value_of(loop.smooth.score.n_true)},
                                  {"n_missed", value_of(loop.smooth.score.n_missed)},
                                  {"n_invented", value_of(loop.smooth.score.n_invented)}}},
           {"energy_shares", as_lists(loop.shares)}};
 }
 
-std::string loop_text(const loop::LoopScore& score, const std::optional<loop::ReservoirCheck>& reservoir,
-                      const SecondsByStage& seconds) {
+std::string loop_text(const loop::LoopScore& score, const loop::LoopResult& loop) {
   std::string text = onsets_text(score.onsets);
   text += "\n" + row("", {"truth", "from true times", "from sound"});
   for (const loop::ComparedNode& n : score.nodes)
@@ -139,9 +136,9 @@ std::string loop_text(const loop::LoopScore& score, const std::optional<loop::Re
     text += row(fmt::format("rising slope at {:g} m/s", s.v_mps), "", s.rising);
     text += row(fmt::format("falling slope at {:g} m/s", s.v_mps), "", s.falling);
   }
-  if (reservoir) text += reservoir_text(*reservoir);
+  if (loop.reservoir) text += reservoir_text(*loop.reservoir);
   text += "\nSeconds:";
-  for (const auto& [stage, s] : seconds) text += fmt::format(" {} {:.1f}", stage, s);
+  for (const auto& [stage, s] : loop.clock.wall_s()) text += fmt::format(" {} {:.1f}", stage, s);
   return text + "\n";
 }
 
@@ -162,11 +159,11 @@ std::string paper_text(const std::vector<loop::SlopeWindow>& slopes,
   return text;
 }
 
-std::string work_text(const LoopWork& work, std::size_t n_impacts) {
+std::string work_text(const LoopWork& work, const SecondsByStage& processor_s, std::size_t n_impacts) {
   const double hours = work.sound_s / 3600.0;
   std::string text = fmt::format("\n{:.2f} h of sound; peak memory {:.0f} MB\nProcessor time by stage\n", hours,
                                  work.peak_memory_bytes / 1e6);
-  for (const auto& [stage, s] : work.processor_s)
+  for (const auto& [stage, s] : processor_s)
     text += fmt::format("  {:<22}{:8.2f} s {:8.3f} s per hour of sound {:8.2f} us per impact\n", stage, s, s / hours,
                         1e6 * s / static_cast<double>(n_impacts));
   return text;

@@ -5,46 +5,37 @@
 #include <cstddef>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "bouncelab/loop/loop.hpp"
-#include "bouncelab/report/conclusions.hpp"
+#include "bouncelab/report/answer.hpp"
 #include "bouncelab/sim/surface.hpp"
 
 namespace bouncelab::stages {
 
-using SecondsByStage = std::vector<std::pair<std::string, double>>;
+using SecondsByStage = loop::StageClock::SecondsByStage;
 
-/// What a loop through memory cost.
+/// What a loop cost, beside its clock.
 struct LoopWork {
   double sound_s = 0.0;
-  SecondsByStage wall_s, processor_s;
   double peak_memory_bytes = 0.0;
 };
 
 /// summary.json of `loop`.
-/// @param seconds    by stage, of a loop through files
-/// @param work       of a loop through memory, in place of `seconds`
-/// @param theory     of its scatter, where it applies
-/// @param reservoir  from its sound, where there are three drops or more
-/// @param ball       cut open, for a picture
-Object loop_summary(const loop::LoopScore& score, const SecondsByStage& seconds, const std::vector<Note>& notes,
-                    const std::optional<loop::ScatterTheory>& theory,
-                    const std::optional<loop::ReservoirCheck>& reservoir, const sim::BallSection& ball,
+/// @param work  absent: without times and memory, which differ from run to run
+Object loop_summary(const loop::LoopScore& score, const loop::LoopResult& loop, const std::vector<Note>& notes,
                     const std::optional<LoopWork>& work = {});
 /// paper.json: the conclusions as checks with numbers; slopes from the simulation and from the sound; the scatter
 /// against speed; energy shares against bounce number.
 Object paper_results(const loop::LoopResult& loop, const std::vector<loop::SlopeWindow>& slopes,
                      const std::vector<report::Conclusion>& conclusions);
 
-std::string loop_text(const loop::LoopScore& score, const std::optional<loop::ReservoirCheck>& reservoir,
-                      const SecondsByStage& seconds);
+std::string loop_text(const loop::LoopScore& score, const loop::LoopResult& loop);
 /// Slopes and conclusions.
 std::string paper_text(const std::vector<loop::SlopeWindow>& slopes,
                        const std::vector<report::Conclusion>& conclusions);
 /// Processor time by stage, per hour of sound and per impact; memory.
-std::string work_text(const LoopWork& work, std::size_t n_impacts);
+std::string work_text(const LoopWork& work, const SecondsByStage& processor_s, std::size_t n_impacts);
 std::string sweep_text(const std::vector<loop::SweepPoint>& points);
 
 }  // namespace bouncelab::stages

@@ -46,11 +46,10 @@ std::optional<sim::Surface> surface_from_file(const SimulateOptions& options, co
                                  input_name(options.surface_file), ball);
 }
 
-sim::Surface surface_of(const SimulateOptions& options, const sim::SimulationConfig& config,
-                        const ProgressCallback& progress) {
+sim::Surface surface_of(const SimulateOptions& options, const sim::SimulationConfig& config, const Run& run) {
   if (std::optional<sim::Surface> given = surface_from_file(options, config.ball)) return *std::move(given);
   return sim::make_surface(config.ball, options.n_asperities, sim::radius_law_from_text(options.radius_law),
-                           config.seed, progress);
+                           config.seed, progress_line(run, "surface", "asperities"));
 }
 
 Object summary_of(const sim::SimulationResult& result, const Ball& ball) {
@@ -69,31 +68,21 @@ void apply_paper_preset(SimulateOptions& options, Run& run) {
   set("impacts", options.config.n_impacts_max, loop::kPaperImpacts);
 }
 
-Outcome run_simulate(const SimulateOptions& options, const Run& run, std::vector<sim::Reservoir>* reservoirs) {
-  sim::SimulationConfig config = simulation_config(options, run.common.seed, run.common.n_threads);
-  config.with_state = config.with_state || reservoirs != nullptr;
+Outcome run_simulate(const SimulateOptions& options, const Run& run) {
+  const sim::SimulationConfig config = simulation_config(options, run.common.seed, run.common.n_threads);
   check_files(run, simulation_inputs(options), {options.out, options.write_surface});
 
   TableWriter table(run, options.out);
   sim::SimulationCounts counts;
-  std::vector<std::vector<sim::Reservoir>> reservoirs_of_drops;
   const auto take = [&](std::size_t k, sim::DropResult&& drop) {
     counts.add(k, drop);
-    if (reservoirs != nullptr) {
-      reservoirs_of_drops.resize(std::max(reservoirs_of_drops.size(), k + 1));
-      reservoirs_of_drops[k] = sim::reservoirs_after(config.ball, drop.impacts);
-    }
-    if (!options.config.with_state) drop.impacts.states = {};
     table.add(k, to_table(drop.impacts));
   };
-  const sim::Surface surface = surface_of(options, config, progress_line(run, "surface", "asperities"));
+  const sim::Surface surface = surface_of(options, config, run);
   sim::simulate_each(config, surface, take, progress_line(run, "simulate", "drops"));
   if (!options.write_surface.empty())
     write_table(run, options.write_surface, to_table(surface), simulation_inputs(options));
   const sim::SimulationResult result = counts.result();
-  if (reservoirs != nullptr)
-    for (const std::vector<sim::Reservoir>& drop : reservoirs_of_drops)
-      reservoirs->insert(reservoirs->end(), drop.begin(), drop.end());
   table.finish(simulation_inputs(options));
 
   Outcome outcome;

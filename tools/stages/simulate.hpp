@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "bouncelab/sim/contact.hpp"
 #include "bouncelab/sim/experiment.hpp"
 #include "bouncelab/sim/surface.hpp"
 #include "stage_options/options.hpp"
@@ -20,9 +19,9 @@ void apply_paper_preset(SimulateOptions& options, Run& run);
 
 /// The asperities of the file that the options name; absent where they name none. @throws FileError
 std::optional<sim::Surface> surface_from_file(const SimulateOptions& options, const Ball& ball);
-/// That surface, else the one drawn with the configuration's seed: what `simulate` drops.
-sim::Surface surface_of(const SimulateOptions& options, const sim::SimulationConfig& config,
-                        const ProgressCallback& progress = {});
+
+/// The asperities of that file, else those drawn. @throws FileError
+sim::Surface surface_of(const SimulateOptions& options, const sim::SimulationConfig& config, const Run& run);
 
 /// The files that a simulation reads: surface, table of the law.
 std::vector<std::filesystem::path> simulation_inputs(const SimulateOptions& options);
@@ -31,13 +30,22 @@ std::vector<std::filesystem::path> simulation_inputs(const SimulateOptions& opti
 Object summary_of(const sim::SimulationResult& result, const Ball& ball);
 
 /// Simulates and writes options.out (and options.write_surface where named).
-/// @param reservoirs  takes those after each impact, which the table of impacts has only with states; null: not wanted
-Outcome run_simulate(const SimulateOptions& options, const Run& run, std::vector<sim::Reservoir>* reservoirs = nullptr);
+Outcome run_simulate(const SimulateOptions& options, const Run& run);
 
-/// Ball, drops, sound and disturbances of a run that simulates and synthesizes.
-std::vector<Section> scene_sections(BallChoice& world, SimulateOptions& simulate, SynthesizeOptions& synthesize);
 /// Option --codec, which needs files.
 Section codec_section(SynthesizeOptions& options, std::vector<std::string> stages = {});
+
+/// What is simulated and made sound of, by one choice of ball and plate.
+struct Scene {
+  BallChoice world = kPaperBall;  ///< of both stages, in place of their own
+  SimulateOptions simulate;
+  SynthesizeOptions synthesize;
+};
+/// Ball, drops, sound and disturbances.
+std::vector<Section> scene_sections(Scene& scene, bool with_codec = false);
+/// One combination of the values that a configuration file lists: of a scene, or of the seed.
+/// @throws InvalidArgument naming the option
+void set_scene(Scene& scene, CommonOptions& common, const loop::Settings& settings);
 
 /// Reads options.impacts, writes options.out, the truth, and OUT.others.csv where there are sounds of other things.
 Outcome run_synthesize(const SynthesizeOptions& options, const Run& run);

@@ -71,13 +71,6 @@ Eigen::MatrixXd node_covariance(const LawFit& fit) {
   return covariance;
 }
 
-/// Of two exponentials, of means a and b, and a normal.
-double variance_of(const ScatterModel& scatter, double v_mps) {
-  const double a = scatter.below(v_mps), b = scatter.above(v_mps);
-  return (a * a * a + b * b * b) * 2.0 / (a + b) - square(scatter.mean_minus_peak(v_mps)) +
-         square(scatter.normal(v_mps));
-}
-
 Fitted fitted(const RestitutionSamples& samples, const LawFitConfig& config, GroupUnit unit) {
   RestitutionSamples one_drop = samples;  // so that the errors are those of independent samples
   for (RestitutionSample& s : one_drop) s.drop = 0;
@@ -95,7 +88,7 @@ Fitted fitted(const RestitutionSamples& samples, const LawFitConfig& config, Gro
     if (outliers.contains(k)) continue;
     const RestitutionSample& s = samples[k];
     UnitSums& sums = units[{s.recording, unit == GroupUnit::drops ? s.drop : 0}];
-    const double weight = 1.0 / (variance_of(*fit.scatter, s.v_mps) + square(s.sigma_eps.value_or(0.0)));
+    const double weight = 1.0 / (fit.scatter->variance(s.v_mps) + square(s.sigma_eps.value_or(0.0)));
     result.v_mps.push_back(s.v_mps);
     result.weights.push_back(weight);
     sums.weight += weight;

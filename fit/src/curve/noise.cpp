@@ -38,15 +38,19 @@ Eigen::MatrixXd covariance_of(const PlateSamples& samples, const PlateSamples::P
   return covariance;
 }
 
+/// A row a sample: neighbouring rows are taken off each other, and all rows of many pieces multiplied at once.
+using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
 /// L^-1 columns, C = L L^T. @return ln det C
-double whiten(Eigen::MatrixXd covariance, Eigen::MatrixXd& columns) {
+double whiten(Eigen::MatrixXd covariance, Eigen::Ref<Rows> columns) {
   const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> root(covariance);
   root.matrixL().solveInPlace(columns);
   return 2.0 * covariance.diagonal().array().log().sum();
 }
 
 /// The same where only neighbouring rows share anything, by their times. @param own  variance of each row's own
-double whiten_by_timing(const Eigen::MatrixXd& timing, const Eigen::VectorXd& own, Eigen::MatrixXd& columns) {
+double whiten_by_timing(const Eigen::Ref<const Eigen::MatrixXd>& timing, const Eigen::VectorXd& own,
+                        Eigen::Ref<Rows> columns) {
   double ln_det = 0.0, last = 1.0, last_of_one = 0.0, before_last = 1.0;
   for (Eigen::Index i = 0; i < own.size(); ++i) {
     const double of_two = i > 1 ? timing(i - 2, 2) / before_last : 0.0;
@@ -73,30 +77,36 @@ Gram gram_of(const PlateSamples& samples, double x_middle, const Eigen::VectorXd
   std::vector<Gram> parts(n_parts);
   parallel_for(n_parts, 0, [&](std::size_t part) {
     Gram& gram = parts[part];
-    gram.of = Eigen::MatrixXd::Zero(n_columns, n_columns);
-    const std::size_t end = std::min(samples.pieces.size(), (part + 1) * kPiecesAtOnce);
-    for (std::size_t k = part * kPiecesAtOnce; k < end; ++k) {
+    const std::size_t first = part * kPiecesAtOnce, end = std::min(samples.pieces.size(), first + kPiecesAtOnce);
+    const Eigen::Index first_row = samples.pieces[first].begin;
+    const Eigen::Index n_rows = samples.pieces[end - 1].begin + samples.pieces[end - 1].n - first_row;
+    Eigen::VectorXd size = noise.ln_s - noise.power * (samples.x.segment(first_row, n_rows).array() - x_middle);
+    exp_each({size.data(), static_cast<std::size_t>(n_rows)});
+    const Eigen::VectorXd own = size.cwiseAbs2().cwiseProduct(inflation.segment(first_row, n_rows));
+    Rows white(n_rows, n_columns + 1);
+    white << columns.middleRows(first_row, n_rows), noise.rho * size;
+    Eigen::MatrixXd shared(n_columns, static_cast<Eigen::Index>(end - first));  // by pieces whose rows share a loss
+    Eigen::Index n_shared = 0;
+    for (std::size_t k = first; k < end; ++k) {
       const auto [begin, n] = samples.pieces[k];
-      Eigen::VectorXd size(n);
-      size = noise.ln_s - noise.power * (samples.x.segment(begin, n).array() - x_middle);
-      exp_each({size.data(), static_cast<std::size_t>(n)});
-      Eigen::MatrixXd white(n, n_columns + 1);
-      white << columns.middleRows(begin, n), noise.rho * size;
-      const Eigen::VectorXd own = size.cwiseAbs2().cwiseProduct(inflation.segment(begin, n));
+      const auto segment = [begin = begin - first_row, n = n](const Eigen::VectorXd& of) {
+        return of.segment(begin, n);
+      };
+      auto rows = white.middleRows(begin - first_row, n);
       if (noise.rho > 0.0 && noise.phi < 1.0) {
-        gram.ln_det += whiten(covariance_of(samples, samples.pieces[k], own, size, noise), white);
-        gram.of.selfadjointView<Eigen::Lower>().rankUpdate(white.leftCols(n_columns).transpose());
+        gram.ln_det += whiten(covariance_of(samples, samples.pieces[k], segment(own), segment(size), noise), rows);
         continue;
       }
-      gram.ln_det += whiten_by_timing(timing2 * samples.timing.middleRows(begin, n), own, white);
-      gram.of.selfadjointView<Eigen::Lower>().rankUpdate(white.leftCols(n_columns).transpose());
-      if (noise.rho > 0.0) {  // C + b b^T
-        const double more = 1.0 + white.col(n_columns).squaredNorm();
-        gram.ln_det += log(more);
-        const Eigen::VectorXd along = white.leftCols(n_columns).transpose() * white.col(n_columns);
-        gram.of.selfadjointView<Eigen::Lower>().rankUpdate(along, -1.0 / more);
-      }
+      gram.ln_det += whiten_by_timing(timing2 * samples.timing.middleRows(begin, n), segment(own), rows);
+      if (!(noise.rho > 0.0)) continue;
+      const double more = 1.0 + rows.col(n_columns).squaredNorm();  // C + b b^T
+      gram.ln_det += log(more);
+      shared.col(n_shared++) = rows.leftCols(n_columns).transpose() * rows.col(n_columns) / std::sqrt(more);
     }
+    gram.of = Eigen::MatrixXd::Zero(n_columns, n_columns);
+    gram.of.selfadjointView<Eigen::Lower>().rankUpdate(white.leftCols(n_columns).transpose());
+    if (n_shared > 0)  // Eigen divides by the number of columns
+      gram.of.selfadjointView<Eigen::Lower>().rankUpdate(shared.leftCols(n_shared), -1.0);
   });
   Gram sum{Eigen::MatrixXd::Zero(n_columns, n_columns), 0.0, timing2, samples.ln_jacobian.sum(),
            samples.ln_jacobian_slopes.colwise().sum().transpose()};

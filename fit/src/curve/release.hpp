@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "bouncelab/core/samples.hpp"
+#include "bouncelab/fit/curve.hpp"
 #include "bouncelab/fit/law_fit.hpp"
 #include "restitution/air_and_contact.hpp"
 
@@ -28,5 +30,9 @@ double ln_release_height(const FirstFlights& flights, const OneAirAndContact& on
 
 /// Heights of the drops of one speed. @param ln_height  that of `flights.v_mps`
 void add_heights(const FirstFlights& flights, const Estimate& ln_height, std::vector<ReleaseHeight>& heights);
+
+/// The rule of the named ball's sport, and the speed with which it falls; absent where no sample is nearly so fast, or
+/// none so slow: in speed a twentieth, in height a tenth, over which eps hardly changes.
+std::optional<Rebound> rebound_within(const RestitutionSamples& samples, const AirAndContact& known);
 
 }  // namespace bouncelab::fit

@@ -206,10 +206,8 @@ std::optional<ProfileIntervals> profile_intervals(const LogLikelihood& loglik, c
 namespace {
 
 /// Curvature of the log-likelihood in whitened coordinates, sign reversed, by differences of the gradient over one
-/// standard error: that far the kinks of single samples are smoothed out. Of very many samples by each sample's own
-/// differences: those by parameters take up to 30 passes.
+/// standard error: that far the kinks of single samples are smoothed out.
 Eigen::MatrixXd curvature(const LawLikelihood& likelihood, const Eigen::VectorXd& theta, const Eigen::MatrixXd& white) {
-  if (likelihood.data().size() >= kVeryMany) return congruence(white, likelihood.observed_information(theta));
   const Eigen::Index n_theta = theta.size();
   Eigen::MatrixXd h(n_theta, n_theta);
   for (Eigen::Index j = 0; j < n_theta; ++j) {

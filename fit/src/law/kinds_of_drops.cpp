@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "between/agreement.hpp"
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/numerics.hpp"
 #include "bouncelab/fit/recordings.hpp"
@@ -15,7 +16,7 @@ namespace bouncelab::fit {
 namespace {
 
 constexpr std::size_t kFewestSamples = 3;    // of a drop whose median says something
-constexpr std::ptrdiff_t kFewestOfKind = 2;  // of each kind: one alone may have met something
+constexpr std::ptrdiff_t kFewestOfKind = 2;  // of each kind, but of two drops: one alone may have met something
 constexpr double kSdOverMad = 1.4826;        // of a normal
 constexpr double kFarApart = 3.0;            // gap over width of a group, and over scatter
 // gap over 1 - eps: over a factor 10 of speed between the kinds the curvature of v^(1/5) in ln v leaves a fourth of it
@@ -93,6 +94,24 @@ double timing_of(const RestitutionSamples& samples) {
   return sigma.empty() ? 0.0 : median(std::move(sigma));
 }
 
+/// Drops in two groups, the first `below` of them in one, with eps as a straight line in ln v.
+UnitSamples units_of(const std::vector<Drop>& drops, std::size_t below) {
+  UnitSamples units;
+  std::vector<double> ln_v;
+  for (std::size_t d = 0; d < drops.size(); ++d)
+    for (std::size_t k = 0; k < drops[d].eps.size(); ++k) {
+      units.residual.push_back(drops[d].eps[k]);
+      ln_v.push_back(drops[d].ln_v[k]);
+      units.group.push_back(d < below ? 0 : 1);
+      units.drop.push_back(d);
+    }
+  units.weight.assign(ln_v.size(), 1.0);
+  units.curve = Eigen::Map<const Eigen::VectorXd>(ln_v.data(), static_cast<Eigen::Index>(ln_v.size()));
+  units.n_groups = 2;
+  units.n_drops = drops.size();
+  return units;
+}
+
 }  // namespace
 
 std::optional<KindsOfDrops> two_kinds_of_drops(const RestitutionSamples& samples) {
@@ -102,7 +121,8 @@ std::optional<KindsOfDrops> two_kinds_of_drops(const RestitutionSamples& samples
   const auto n = std::ssize(drops);
   std::ptrdiff_t below = 0;  // how many of them are in the lower group
   double gap = 0.0;
-  for (std::ptrdiff_t k = kFewestOfKind; k + kFewestOfKind <= n; ++k)
+  const std::ptrdiff_t fewest = n == 2 ? 1 : kFewestOfKind;
+  for (std::ptrdiff_t k = fewest; k + fewest <= n; ++k)
     if (const double here = drops[k].at_one_speed - drops[k - 1].at_one_speed; here > gap) gap = here, below = k;
   if (below == 0) return {};
   const double widest = std::max(drops[below - 1].at_one_speed - drops.front().at_one_speed,
@@ -115,6 +135,8 @@ std::optional<KindsOfDrops> two_kinds_of_drops(const RestitutionSamples& samples
   const double by_slope = scatter.slope_se * std::abs(ln_v_of(0, below) - ln_v_of(below, n));
   if (gap < kFarApart * std::max({widest, scatter.sd, timing_of(samples), by_slope})) return {};
   if (gap < kBeyondCurvature * (1.0 - drops.front().at_one_speed)) return {};
+  const auto test = agreement(units_of(drops, static_cast<std::size_t>(below)));
+  if (!test || test->test.p_value >= kDoubt) return {};
   std::vector<double> lower, upper;
   for (std::ptrdiff_t k = 0; k < n; ++k) {
     std::vector<double>& kind = k < below ? lower : upper;

@@ -199,56 +199,50 @@ class ChainFilter {
   /// @param law            at each impact
   /// @param log_densities  of each impact given those before it, where asked for
   T loglik(const std::vector<LawAt<T>>& law, const FilterPlan& plan, std::vector<T>* log_densities = nullptr) {
-    begin(first_reservoir(law), plan.first);
-    T sum(0.0);
-    for (std::size_t i = 0; i < chain_.impacts.size(); ++i) {
-      T log_density = impact(chain_.impacts[i], law[i], nullptr);
-      if (i == 0) log_density += log_start_;
-      sum += log_density;
-      if (log_densities) log_densities->push_back(log_density);
-      if (i + 1 < chain_.impacts.size()) join(components_, plan.targets[i], joined_, parts_);
-    }
-    return sum;
+    return follow(
+        law, FirstReservoir<T>(chain_, law, p_, height_variance_), plan.first, nullptr,
+        [&](std::size_t i) -> const Targets& { return plan.targets[i]; }, log_densities);
   }
 
   /// As loglik(), and makes the plan on the way.
-  T plan(const std::vector<LawAt<T>>& law, FilterPlan& plan) { return follow(law, plan, nullptr); }
-
-  /// Probability of less at every impact, given those before it.
-  std::vector<double> transforms(const std::vector<LawAt<T>>& law) {
-    FilterPlan ignored;
-    std::vector<double> transforms;
-    follow(law, ignored, &transforms);
-    return transforms;
+  /// @param transforms  probability of less at every impact, given those before it, where asked for
+  T plan(const std::vector<LawAt<T>>& law, FilterPlan& plan, std::vector<double>* transforms = nullptr) {
+    const FirstReservoir<T> first(chain_, law, p_, height_variance_);
+    plan = {first.nodes(transforms != nullptr), {}};
+    const std::vector<double> least_books = first.least_books();
+    return follow(
+        law, first, plan.first, transforms,
+        [&](std::size_t i) -> const Targets& {
+          return plan.targets.emplace_back(targets_of(components_, least_books[i + 1]));
+        },
+        nullptr);
   }
 
  private:
-  FirstReservoir<T> first_reservoir(const std::vector<LawAt<T>>& law) const {
-    return {chain_, law, p_, height_variance_};
-  }
-
-  T follow(const std::vector<LawAt<T>>& law, FilterPlan& plan, std::vector<double>* transforms) {
-    const FirstReservoir<T> first = first_reservoir(law);
-    plan = {first.nodes(transforms != nullptr), {}};
-    begin(first, plan.first);
-    const std::vector<double> least_books = first.least_books();
-    T sum = log_start_;
+  /// @param targets  (impact) which components are one after it
+  template <class TargetsAfter>
+  T follow(const std::vector<LawAt<T>>& law, const FirstReservoir<T>& first, const FirstNodes& nodes,
+           std::vector<double>* transforms, TargetsAfter targets, std::vector<T>* log_densities) {
+    T sum(0.0), log_start = begin(first, nodes);
     for (std::size_t i = 0; i < chain_.impacts.size(); ++i) {
-      sum += impact(chain_.impacts[i], law[i], transforms);
-      if (i + 1 == chain_.impacts.size()) break;
-      plan.targets.push_back(targets_of(components_, least_books[i + 1]));
-      join(components_, plan.targets[i], joined_, parts_);
+      T log_density = impact(chain_.impacts[i], law[i], transforms);
+      if (i == 0) log_density += log_start;
+      sum += log_density;
+      if (log_densities) log_densities->push_back(log_density);
+      if (i + 1 < chain_.impacts.size()) join(components_, targets(i), joined_, parts_);
     }
     return sum;
   }
 
-  void begin(const FirstReservoir<T>& first, const FirstNodes& nodes) {
-    log_start_ = first.components(nodes, components_);
+  /// @return log of what the first weights are to be multiplied by
+  T begin(const FirstReservoir<T>& first, const FirstNodes& nodes) {
+    T log_start = first.components(nodes, components_);
     T sum(0.0);
     for (const Component<T>& c : components_) sum += c.weight;
     for (Component<T>& c : components_) c.weight *= 1.0 / sum;
-    log_start_ += log(sum);
+    log_start += log(sum);
     errors_.begin(chain_.impacts.front(), height_variance_);
+    return log_start;
   }
 
   /// Log density of what was measured at one impact; brings the state to before the next.
@@ -350,7 +344,6 @@ class ChainFilter {
   const Chain& chain_;
   MemoryParameters<T> p_;
   T height_variance_;  ///< of the height of contacts [m^2]
-  T log_start_;        ///< log of what the first weights are to be multiplied by
   std::vector<Component<T>> components_, joined_;
   std::vector<const Component<T>*> parts_;
   std::vector<Emission<T>> emissions_;

@@ -2,7 +2,6 @@
 #include "numerics/distributions.hpp"
 
 #include <gsl/gsl_cdf.h>
-#include <gsl/gsl_randist.h>
 
 #include <cmath>
 
@@ -18,8 +17,6 @@ namespace {
 double chi2_survival(double chi2, double ndf) { return gsl_cdf_chisq_Q(chi2, ndf); }
 
 double student_t_below(double t, double nu) { return gsl_cdf_tdist_P(t, nu); }
-
-double student_t_density(double t, double nu) { return gsl_ran_tdist_pdf(t, nu); }
 
 double f_survival(double f, double d1, double d2) { return std::isinf(f) ? 0.0 : gsl_cdf_fdist_Q(f, d1, d2); }
 

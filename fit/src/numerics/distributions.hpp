@@ -11,8 +11,6 @@ double chi2_survival(double chi2, double ndf);
 /// Probability of Student's t below t, for nu > 0 degrees of freedom.
 double student_t_below(double t, double nu);
 
-double student_t_density(double t, double nu);
-
 /// Probability of Fisher's F above f, for d1 and d2 > 0 degrees of freedom. @param f  >= 0, may be infinite
 double f_survival(double f, double d1, double d2);
 

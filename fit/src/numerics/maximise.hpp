@@ -26,11 +26,4 @@ struct Maximum {
 Maximum maximise(const LogLikelihood& loglik, const Eigen::VectorXd& start, const Eigen::MatrixXd& information,
                  double tolerance = 2e-3);
 
-/// Maximises from a point that is some standard errors off, where the information is known: whole steps of Newton's
-/// method, by a matrix that learns from each of them (BFGS). maximise() needs its first steps to find their length.
-/// The gain of the last step is counted in, where less than 1e-6 is left after it.
-/// @param information  positive definite, near the start
-/// @return the best point met; not converged where a step led down or steps did not suffice
-Maximum maximise_nearby(const LogLikelihood& loglik, const Eigen::VectorXd& start, const Eigen::MatrixXd& information);
-
 }  // namespace bouncelab::fit

@@ -2,7 +2,6 @@
 // What the results of many recordings, of samples and studies are called and what they are, key by key (docs/formats.md
 // is made of these texts).
 #include "bouncelab/fit/between_recordings.hpp"
-#include "bouncelab/fit/calibration.hpp"
 #include "bouncelab/fit/group_differences.hpp"
 #include "bouncelab/fit/restitution.hpp"
 #include "results/parts.hpp"
@@ -182,27 +181,6 @@ Description members_of(const IntervalPrediction*) {
                                 member<&P::measured_s>("found_s", "As measured"),
                                 member<&P::predicted_s>("expected_s", "By the law; `null` without one"),
                                 member<&P::sigma_s>("sigma_s", "Standard error of the measured one")};
-  return all;
-}
-
-Description members_of(const CalibrationRow*) {
-  using R = CalibrationRow;
-  static constexpr Member all[]{
-      member<&R::name>("name", "The quantity"),
-      member<&R::truth>("truth", "Its true value"),
-      member<&R::bound_independent>("bound_independent", "Cramér-Rao bound of its error, if samples were independent"),
-      member<&R::spread>("spread", "Standard deviation of the estimates"),
-      member<&R::mean_se>("mean_se", "Mean of the standard errors stated"),
-      member<&R::pull_mean>("pull_mean", "Mean of (estimate - truth) / se"),
-      member<&R::pull_sd>("pull_sd", "Its standard deviation"),
-      member<&R::coverage68>("coverage68", "Share of the 68 % intervals that hold the truth"),
-      member<&R::coverage95>("coverage95", "Of the 95 % intervals")};
-  return all;
-}
-
-Description members_of(const CalibrationResult*) {
-  static constexpr Member all[]{member<&CalibrationResult::rows>("rows", "A row for each quantity"),
-                                member<&CalibrationResult::n_failed>("n_failed", "Seeds whose fit did not converge")};
   return all;
 }
 

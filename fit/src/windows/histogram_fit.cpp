@@ -86,8 +86,36 @@ Bins bins_of(std::vector<double> eps) {
   return bins;
 }
 
+/// Mean of a density over the k-th bin, by trapezoids.
+double mean_in_bin(const std::vector<CurvePoint>& density, std::size_t n_bins, std::size_t k) {
+  const std::size_t n = (density.size() - 1) / n_bins;
+  double sum = 0.5 * (density[k * n].y + density[(k + 1) * n].y);
+  for (std::size_t j = 1; j < n; ++j) sum += density[k * n + j].y;
+  return sum / static_cast<double>(n);
+}
+
+/// What a fit says of the bins. @param density  as density_curve() has it
+ShapeFit shape_of(DensityShape shape, const WindowFit& fit, std::vector<NamedEstimate> parameters, const LawData& data,
+                  const Bins& bins, const std::vector<CurvePoint>& density) {
+  ShapeFit result;
+  result.shape = shape;
+  result.status = fit.maximum.converged ? FitStatus::ok : FitStatus::not_converged;
+  result.parameters = std::move(parameters);
+  result.loglik = fit.maximum.loglik;
+  if (const auto chi2 = pearson_chi2(probabilities_below(data, fit), result.parameters.size(), 1)) {
+    result.chi2 = chi2->chi2;
+    result.ndf = chi2->ndf;
+    result.p_value = chi2->p_value;
+  }
+  for (std::size_t k = 0; k < bins.counts.size(); ++k)
+    result.expected.push_back(static_cast<double>(data.size()) * (bins.eps_edges[k + 1] - bins.eps_edges[k]) *
+                              mean_in_bin(density, bins.counts.size(), k));
+  return result;
+}
+
+double aic_of(const ShapeFit& fit) { return 2.0 * static_cast<double>(fit.parameters.size()) - 2.0 * fit.loglik; }
+
 void fit_two_exponentials(HistogramFit& result, const LawData& data, const WindowFit& fit) {
-  const Eigen::VectorXd& theta = fit.maximum.x;
   result.status = fit.maximum.converged ? FitStatus::ok : FitStatus::not_converged;
   result.drops = fit.drops;
   result.peak_eps = peak_estimate(fit);
@@ -97,28 +125,35 @@ void fit_two_exponentials(HistogramFit& result, const LawData& data, const Windo
   if ((!result.slope_rising->identified || !result.slope_falling->identified) && fit.maximum.converged)
     result.status = FitStatus::not_identifiable;  // the scatter is narrower than the timing error
   result.loglik = fit.maximum.loglik;
-  if (const auto chi2 = pearson_chi2(probabilities_below(data, theta), 3, 1)) {
-    result.chi2 = chi2->chi2;
-    result.ndf = chi2->ndf;
-    result.p_value = chi2->p_value;
-  }
-  result.curve = density_curve(data, theta, result.bins);
+  result.curve = density_curve(data, fit, result.bins);
+  result.shapes = {shape_of(DensityShape::two_exponentials, fit,
+                            {{"peak_eps", *result.peak_eps},
+                             {"slope_rising", *result.slope_rising},
+                             {"slope_falling", *result.slope_falling}},
+                            data, result.bins, result.curve)};
+  result.chi2 = result.shapes.front().chi2;
+  result.ndf = result.shapes.front().ndf;
+  result.p_value = result.shapes.front().p_value;
 }
 
 void compare_with_other_densities(HistogramFit& result, const LawData& data, const WindowFit& fit) {
   if (!fit.maximum.converged) return;
   const WindowFit normal = fit_window(data, ScatterKind::normal);
-  if (normal.maximum.converged)
-    result.delta_aic_gaussian = 2.0 * (2.0 - normal.maximum.loglik) - 2.0 * (3.0 - fit.maximum.loglik);
+  const double sd = exp(normal.maximum.x[1]);
+  ShapeFit shape = shape_of(
+      DensityShape::normal, normal,
+      {{"mean", normal_estimate(normal.maximum.x[0], normal.se[0])}, {"sd", normal_estimate(sd, sd * normal.se[1])}},
+      data, result.bins, density_curve(data, normal, result.bins));
+  shape.delta_aic = aic_of(shape) - aic_of(result.shapes.front());
+  if (normal.maximum.converged) result.delta_aic_gaussian = shape.delta_aic;
+  result.shapes.push_back(std::move(shape));
   const WindowFit symmetric = fit_window(data, ScatterKind::symmetric_laplace);
-  if (symmetric.maximum.converged) {
-    // twice the fall along the ratio of the sides is that of independent samples
-    const QuantityError& ratio = fit.errors[3];
-    const double share = ratio.se_independent ? square(*ratio.se_independent / ratio.se) : 1.0;
-    result.p_equal_slopes =
-        chi2_survival(share * std::max(0.0, 2.0 * (fit.maximum.loglik - symmetric.maximum.loglik)), 1.0);
-  }
-  result.shapes = fit_shapes(result.bins, data.tau, {fit.maximum.x[0], exp(fit.maximum.x[1]), exp(fit.maximum.x[2])});
+  if (!symmetric.maximum.converged) return;
+  // twice the fall along the ratio of the sides is that of independent samples
+  const QuantityError& ratio = fit.errors[3];
+  const double share = ratio.se_independent ? square(*ratio.se_independent / ratio.se) : 1.0;
+  result.p_equal_slopes =
+      chi2_survival(share * std::max(0.0, 2.0 * (fit.maximum.loglik - symmetric.maximum.loglik)), 1.0);
 }
 
 HistogramFit fit_histogram(const SamplesWithSpeeds& samples, double centre, double width, std::size_t n_min,
@@ -168,17 +203,7 @@ std::optional<bool> slopes_differ(const HistogramFit& h) {
 }
 
 const char* to_string(DensityShape shape) {
-  switch (shape) {
-    case DensityShape::two_exponentials:
-      return "two_exponentials";
-    case DensityShape::normal:
-      return "normal";
-    case DensityShape::gumbel:
-      return "gumbel";
-    case DensityShape::student_t:
-      return "student_t";
-  }
-  return "unknown";
+  return shape == DensityShape::two_exponentials ? "two_exponentials" : "normal";
 }
 
 std::vector<HistogramFit> fit_histograms(const RestitutionSamples& samples, const HistogramConfig& config,
@@ -214,19 +239,6 @@ const RowColumns<HistogramBin>& columns_of(const HistogramBin*) {
   return all;
 }
 
-namespace {
-
-/// Mean of the curve over the k-th bin, by trapezoids.
-std::optional<double> fitted_in_bin(const HistogramFit& h, std::size_t k) {
-  if (h.curve.empty()) return std::nullopt;
-  const std::size_t n = (h.curve.size() - 1) / h.bins.counts.size();
-  double sum = 0.5 * (h.curve[k * n].y + h.curve[(k + 1) * n].y);
-  for (std::size_t j = 1; j < n; ++j) sum += h.curve[k * n + j].y;
-  return sum / static_cast<double>(n);
-}
-
-}  // namespace
-
 Table histogram_table(const std::vector<HistogramFit>& histograms) {
   std::vector<HistogramBin> rows;
   for (const HistogramFit& h : histograms)
@@ -234,7 +246,8 @@ Table histogram_table(const std::vector<HistogramFit>& histograms) {
       const double lo = h.bins.eps_edges[k], hi = h.bins.eps_edges[k + 1];
       const auto count = static_cast<double>(h.bins.counts[k]), unit = static_cast<double>(h.n) * (hi - lo);
       rows.push_back({h.v_mps, h.v_lo_mps, h.v_hi_mps, lo, hi, static_cast<std::int64_t>(h.bins.counts[k]),
-                      count / unit, std::sqrt(count) / unit, fitted_in_bin(h, k)});
+                      count / unit, std::sqrt(count) / unit,
+                      h.curve.empty() ? std::nullopt : std::optional(mean_in_bin(h.curve, h.bins.counts.size(), k))});
     }
   return table_of<HistogramBin>(columns_of(rows.data()), rows);
 }

@@ -61,10 +61,10 @@ WindowFit fit_window(const LawData& original, ScatterKind kind) {
           1.0 / std::sqrt(static_cast<double>(original.size())));
   const LawLikelihood likelihood(data, constant, family);
   const LogLikelihood function = [&](const Eigen::VectorXd& x, Eigen::VectorXd* g) { return likelihood(x, g); };
-  WindowFit fit;
-  fit.maximum = maximise(function, start, likelihood.information(start));
-  if (kind != ScatterKind::asymmetric_laplace) return fit;
+  WindowFit fit{kind, maximise(function, start, likelihood.information(start)), {}, {}, {}};
   const Eigen::MatrixXd white = whitening(likelihood.information(fit.maximum.x), 1e-10);
+  fit.se = gram(white).diagonal().cwiseSqrt();
+  if (kind != ScatterKind::asymmetric_laplace) return fit;
   const auto by_drop = errors_by_drop(likelihood, fit.maximum.x, white);
   fit.drops = {likelihood.n_drops(), by_drop ? ErrorBasis::by_drop : ErrorBasis::independent_samples};
   for (const Eigen::Vector3d& direction :
@@ -95,13 +95,15 @@ Estimate slope_ratio_estimate(const WindowFit& fit) {
   return exponential_estimate(fit.maximum.x[1] - fit.maximum.x[2], fit.errors[3], 1.0);
 }
 
-std::vector<double> probabilities_below(const LawData& data, const Eigen::VectorXd& theta) {
+std::vector<double> probabilities_below(const LawData& data, const WindowFit& fit) {
   const LawModel constant = make_law_model(LawKind::constant, {}, data.v_mps);
-  const ScatterFamily family{ScatterKind::asymmetric_laplace, 1, data.v_mps.front()};
-  return LawLikelihood(data, constant, family).probabilities_below(theta);
+  const ScatterFamily family{fit.kind, 1, data.v_mps.front()};
+  return LawLikelihood(data, constant, family).probabilities_below(fit.maximum.x);
 }
 
-std::vector<CurvePoint> density_curve(const LawData& data, const Eigen::VectorXd& theta, const Bins& bins) {
+std::vector<CurvePoint> density_curve(const LawData& data, const WindowFit& fit, const Bins& bins) {
+  const Eigen::VectorXd& theta = fit.maximum.x;
+  const bool is_normal = fit.kind == ScatterKind::normal;
   constexpr std::size_t kMostBins = 80;  // 161 points or more, so that the picture is smooth
   const std::size_t n_bins = bins.counts.size(),
                     n_points = 1 + 2 * n_bins * std::max<std::size_t>(1, kMostBins / n_bins);
@@ -109,7 +111,7 @@ std::vector<CurvePoint> density_curve(const LawData& data, const Eigen::VectorXd
   std::sort(sorted.begin(), sorted.end());
   const std::size_t n_taus = std::min(kBlockSize, sorted.size());
   SidesBlock sides;
-  sides.fill(exp(theta[1]), exp(theta[2]));
+  sides.fill(exp(theta[1]), exp(theta[is_normal ? 1 : 2]));
   Block tau, inverse_tau;
   for (std::size_t j = 0; j < n_taus; ++j) {
     tau[j] = sorted[(2 * j + 1) * sorted.size() / (2 * n_taus)];
@@ -119,12 +121,19 @@ std::vector<CurvePoint> density_curve(const LawData& data, const Eigen::VectorXd
   for (std::size_t k = 0; k < n_points; ++k) {
     const double eps = bins.eps_edges.front() + (bins.eps_edges.back() - bins.eps_edges.front()) *
                                                     static_cast<double>(k) / static_cast<double>(n_points - 1);
-    Block d;
-    d.fill(eps - theta[0]);
-    DensityBlock f;
-    normal_laplace(n_taus, d.data(), sides, tau.data(), inverse_tau.data(), 0.0, f);
     double sum = 0.0;
-    for (std::size_t j = 0; j < n_taus; ++j) sum += f.factor[j] * exp(f.exponent[j]);
+    if (is_normal) {
+      for (std::size_t j = 0; j < n_taus; ++j) {
+        const double variance = square(exp(theta[1])) + square(tau[j]);
+        sum += exp(-0.5 * square(eps - theta[0]) / variance) / std::sqrt(2.0 * kPi * variance);
+      }
+    } else {
+      Block d;
+      d.fill(eps - theta[0]);
+      DensityBlock f;
+      normal_laplace(n_taus, d.data(), sides, tau.data(), inverse_tau.data(), 0.0, f);
+      for (std::size_t j = 0; j < n_taus; ++j) sum += f.factor[j] * exp(f.exponent[j]);
+    }
     curve.push_back({eps, sum / static_cast<double>(n_taus), std::nullopt});
   }
   return curve;

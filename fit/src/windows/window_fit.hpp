@@ -21,7 +21,9 @@ struct QuantityError {
 /// One density for all samples of a window, unbinned: theta = (location, log b_below, log b_above), or (location, log
 /// b) where the sides are equal or the density is normal.
 struct WindowFit {
+  ScatterKind kind = ScatterKind::asymmetric_laplace;
   Maximum maximum;
+  Eigen::VectorXd se;  ///< of theta, of independent samples
   DropCount drops;
   /// Of peak, log b_below, log b_above, log(b_below / b_above); two-sided densities only. By drop where there are
   /// enough drops, the law by which samples were moved to the centre taken as known.
@@ -36,25 +38,12 @@ Estimate peak_estimate(const WindowFit& fit);
 Estimate slope_estimate(const WindowFit& fit, Eigen::Index side);  ///< side 1: rising, 2: falling
 Estimate slope_ratio_estimate(const WindowFit& fit);
 
-/// Distribution function of a two-sided fit at each sample, with the sample's own timing error.
-std::vector<double> probabilities_below(const LawData& data, const Eigen::VectorXd& theta);
+/// Distribution function of a fit at each sample, with the sample's own timing error.
+std::vector<double> probabilities_below(const LawData& data, const WindowFit& fit);
 
 /// The density expected of the window's samples, the mean over their timing errors, from the first edge to the last:
-/// each edge is a point, and between two lie an odd number, so that the middle of each bin is one.
-std::vector<CurvePoint> density_curve(const LawData& data, const Eigen::VectorXd& theta, const Bins& bins);
-
-/// Peak and mean distances from it: where the search for every shape starts.
-struct ShapeStart {
-  double peak = 0.0, b_below = 1.0, b_above = 1.0;
-};
-
-/// Two exponentials, normal, Gumbel and Student t on the same bins; see ShapeFit.
-///
-/// What a shape expects of the bins is its integral over quarter bins, reaching six timing errors beyond the range,
-/// moved to other bins as the normal timing errors (in up to 16 classes) would. Discretisation changes a bin's content
-/// by less than 1 % of itself for shapes wider than a quarter bin.
-/// @param tau    timing errors of the samples that the bins count
-/// @return in the order above; delta_aic is 0 for the first
-std::vector<ShapeFit> fit_shapes(const Bins& bins, const std::vector<double>& tau, const ShapeStart& start);
+/// each edge is a point, and between two lie an odd number, so that the middle of each bin is one. Of two-sided
+/// densities and the normal.
+std::vector<CurvePoint> density_curve(const LawData& data, const WindowFit& fit, const Bins& bins);
 
 }  // namespace bouncelab::fit

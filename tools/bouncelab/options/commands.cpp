@@ -8,7 +8,6 @@
 #include "bouncelab/synthesis/synthetic_recording.hpp"
 #include "commands/commands.hpp"
 #include "stages/ball_of_files.hpp"
-#include "stages/calibrate.hpp"
 #include "stages/detect.hpp"
 #include "stages/fit.hpp"
 #include "stages/loop.hpp"
@@ -92,7 +91,7 @@ Command loop_command() {
       loop_sections(*options),
       [options](Run& run) {
         apply_loop_preset(*options, run);
-        return run.sweep.empty() ? run_loop(*options, run) : run_sweep(*options, run);
+        return run_loop(*options, run);
       },
       {"simulate", "synthesize", "detect", "restitution", "fit", "report"},
       true};
@@ -145,7 +144,7 @@ Command synthesize_command() {
             if (world.plate.empty()) world.plate = kPaperBall.plate;
             set_parameter(run.parameters, "ball", world.ball);
             set_parameter(run.parameters, "plate", world.plate);
-            keep_conditions_of(options->impacts, run.parameters);
+            keep_conditions_of({options->impacts}, run.parameters);
             return run_synthesize(*options, run);
           },
           {},
@@ -167,7 +166,12 @@ Command detect_command() {
           "Impact times of bouncing balls in recordings, with standard errors; nothing has to be set",
           "Example: bouncelab detect drop.wav --out onsets.csv --labels drop.txt",
           {{"", files, options.get()}, section_of(options->config, "Detection"), drop_height_section(options->config)},
-          [options](Run& run) { return run_detect(*options, run); }};
+          [options](Run& run) {
+            std::vector<std::string> recordings;
+            for (const std::filesystem::path& file : recordings_of(*options)) recordings.push_back(file.string());
+            keep_conditions_of(recordings, run.parameters);
+            return run_detect(*options, run);
+          }};
 }
 
 Command restitution_command() {
@@ -326,7 +330,10 @@ Command convert_command() {
           "Example: bouncelab convert onsets.csv --to marks.txt\n"
           "         bouncelab convert marks.txt --recording drop.wav --to corrected.csv",
           {{"", files, options.get()}, section_of(options->foreign, "Marks and tables of other programs")},
-          [options](Run& run) { return run_convert(*options, run); }};
+          [options](Run& run) {
+            keep_conditions_of({options->input}, run.parameters);
+            return run_convert(*options, run);
+          }};
 }
 
 Command validate_command() {
@@ -344,23 +351,6 @@ Command validate_command() {
       [options](Run& run) { return run_validate(*options, run); },
       {"simulate", "synthesize"},
       true};
-}
-
-Command calibrate_command() {
-  using O = CalibrateOptions;
-  static constexpr Member files[]{
-      member<&O::out>("out", "With --memory: table of the experiments, .csv").writes("FILE")};
-  auto options = std::make_shared<O>();
-  return {"calibrate",
-          "Calibration of the fit: pulls and coverage on drops of a rough ball drawn from the paper's law, and the "
-          "Cramer-Rao bound of independent samples",
-          "Examples: bouncelab calibrate --samples 20000 --seeds 500 --timing 8.7e-4\n"
-          "          bouncelab calibrate --memory --experiments 200 --out experiments.csv",
-          {section_of(*options), {"", files, options.get()}},
-          [options](Run& run) {
-            check_calibrate_options(*options, run.given);
-            return run_calibrate(*options, run);
-          }};
 }
 
 Command balls_command() {
@@ -409,7 +399,6 @@ const std::vector<CommandName>& all_commands() {
       {"convert", convert_command, beside},
       {"validate", validate_command, beside},
       {"balls", balls_command, beside},
-      {"calibrate", calibrate_command, beside},
       {"completion", completion_command, beside},
   };
   return all;

@@ -545,34 +545,6 @@ class Loop:
         return f"<Loop in {self.folder}: {self.summary.get('n_found')} of {self.summary.get('n_impacts')} impacts found>"
 
 
-class Calibration:
-    """Pulls and coverage of the fit over many simulated experiments.
-
-    Attributes
-    ----------
-    results : dict
-        What ``bouncelab calibrate --json`` prints.
-    experiments : dict or None
-        With ``memory=True`` the experiments one by one: columns by name.
-    """
-
-    def __init__(self, results: dict, experiments: Optional[Dict[str, Any]]):
-        self.results, self.experiments = results, experiments
-
-    def to_dict(self) -> dict:
-        """What ``bouncelab calibrate --json`` prints."""
-        return self.results
-
-    def to_pandas(self) -> pd.DataFrame:
-        """A row for each quantity, or with ``memory=True`` for each experiment."""
-        import pandas as pd
-
-        return pd.DataFrame(self.results["rows"] if self.experiments is None else self.experiments)
-
-    def __repr__(self) -> str:
-        return f"<Calibration: {json.dumps(self.results)[:200]}>"
-
-
 class Validation:
     """How well an onset detector agrees with the true times of synthesized recordings.
 

@@ -9,7 +9,7 @@ from typing import Any, Dict, List
 
 from . import _core
 from .progress import shown
-from .results import BouncelabWarning, Calibration, Fit, Impacts, Loop, Onsets, Recording, Roughness, Samples, Validation
+from .results import BouncelabWarning, Fit, Impacts, Loop, Onsets, Recording, Roughness, Samples, Validation
 
 
 def _text(value: Any) -> str:
@@ -142,12 +142,6 @@ def loop(out: Any, keywords: Dict[str, Any], progress: Any) -> Loop:
     if found["error"]:
         warnings.warn(found["error"], BouncelabWarning, stacklevel=3)
     return Loop(os.fspath(out), json.loads(found["summary"]), temporary)
-
-
-def calibrate(keywords: Dict[str, Any], progress: Any) -> Calibration:
-    with shown(progress) as callback:
-        found = _core.calibrate(_arguments(keywords), callback)
-    return Calibration(json.loads(found["summary"]), found["columns"])
 
 
 def _settings(vary: Dict[str, Any]) -> List[Dict[str, Any]]:

@@ -35,12 +35,9 @@ Sections sections_of(stages::RoughnessOptions& options) {
   return {ball_section(options.world, "what the samples say, else a solid ball of the paper's radius"),
           stages::section_of(options.config)};
 }
-Sections sections_of(stages::CalibrateOptions& options) { return {stages::section_of(options)}; }
 Sections sections_of(stages::LoopOptions& options) { return stages::loop_sections(options); }
 /// Those of the scene alone: detectors are functions, and no file is written.
-Sections sections_of(stages::ValidateOptions& options) {
-  return stages::scene_sections(options.world, options.simulate, options.synthesize);
-}
+Sections sections_of(stages::ValidateOptions& options) { return stages::scene_sections(options.scene); }
 
 /// Sets each option to the texts that it was given. @return these
 stages::Given set_options(const Sections& sections, const Arguments& arguments) {
@@ -54,14 +51,7 @@ stages::Given set_options(const Sections& sections, const Arguments& arguments) 
       throw InvalidArgument("--" + name + (has_value ? ": True or False" : ": needs a value"));
     given[name].push_back(has_value ? argument.substr(name.size() + 3) : "true");
   }
-  for (const auto& [name, texts] : given) {
-    const stages::Option option = *stages::option_named(sections, name);
-    try {
-      option.member->set(option.object, value_from_texts(*option.member, texts));
-    } catch (const InvalidArgument& error) {
-      throw InvalidArgument("--" + name + ": " + error.what());
-    }
-  }
+  for (const auto& [name, texts] : given) stages::set_option(sections, name, texts);
   return given;
 }
 
@@ -69,9 +59,6 @@ template <class Options>
 void complete(const Options&, const stages::Run&) {}
 void complete(stages::SimulateOptions& options, stages::Run& run) {
   if (options.preset == "paper") stages::apply_paper_preset(options, run);
-}
-void complete(const stages::CalibrateOptions& options, const stages::Run& run) {
-  stages::check_calibrate_options(options, run.given);
 }
 void complete(stages::LoopOptions& options, stages::Run& run) { stages::apply_loop_preset(options, run); }
 
@@ -123,19 +110,14 @@ template Parsed<stages::DetectOptions> parse(const Arguments&);
 template Parsed<stages::RestitutionOptions> parse(const Arguments&);
 template Parsed<stages::FitOptions> parse(const Arguments&);
 template Parsed<stages::RoughnessOptions> parse(const Arguments&);
-template Parsed<stages::CalibrateOptions> parse(const Arguments&);
 template Parsed<stages::LoopOptions> parse(const Arguments&);
 
 std::string options_json(const std::string& function) {
-  static const std::map<std::string, Json (*)()> functions{{"simulate", options_of<stages::SimulateOptions>},
-                                                           {"synthesize", options_of<stages::SynthesizeOptions>},
-                                                           {"detect", options_of<stages::DetectOptions>},
-                                                           {"restitution", options_of<stages::RestitutionOptions>},
-                                                           {"fit", options_of<stages::FitOptions>},
-                                                           {"roughness", options_of<stages::RoughnessOptions>},
-                                                           {"calibrate", options_of<stages::CalibrateOptions>},
-                                                           {"loop", options_of<stages::LoopOptions>},
-                                                           {"validate", options_of<stages::ValidateOptions>}};
+  static const std::map<std::string, Json (*)()> functions{
+      {"simulate", options_of<stages::SimulateOptions>}, {"synthesize", options_of<stages::SynthesizeOptions>},
+      {"detect", options_of<stages::DetectOptions>},     {"restitution", options_of<stages::RestitutionOptions>},
+      {"fit", options_of<stages::FitOptions>},           {"roughness", options_of<stages::RoughnessOptions>},
+      {"loop", options_of<stages::LoopOptions>},         {"validate", options_of<stages::ValidateOptions>}};
   const auto found = functions.find(function);
   if (found == functions.end()) throw InvalidArgument("no function '" + function + "'");
   return found->second().dump();

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "bouncelab/fit/restitution.hpp"
-#include "stages/calibrate.hpp"
 #include "stages/detect.hpp"
 #include "stages/fit.hpp"
 #include "stages/loop.hpp"

@@ -54,7 +54,6 @@ PYBIND11_MODULE(_core, m) {
   m.def("read_columns", &read_columns);
   m.def("fit", &fit);
   m.def("roughness", &roughness);
-  m.def("calibrate", &calibrate);
   m.def("loop", &loop);
   m.def("score_detector", &score_detector);
   m.def("restitution_of_law", &restitution_of_law);

@@ -48,29 +48,6 @@ std::string roughness(const py::dict& columns, const Arguments& arguments, const
   return json;
 }
 
-py::dict calibrate(const Arguments& arguments, const py::object& progress) {
-  auto [options, run] = parse<stages::CalibrateOptions>(arguments);
-  py::dict result;
-  if (!options.memory) {
-    const fit::CalibrationConfig config = stages::calibration_config(options, run.common);
-    fit::CalibrationResult calibrated;
-    python::run(run, progress, [&, &run = run] {
-      calibrated = fit::calibrate(config, stages::progress_line(run, "calibrate", "seeds"));
-    });
-    result["summary"] = json_text(value_of(calibrated), 2);
-    result["columns"] = py::none();
-    return result;
-  }
-  const loop::MemoryCalibrationConfig config = stages::memory_calibration_config(options, run.common);
-  std::vector<loop::MemoryExperiment> experiments;
-  python::run(run, progress, [&, &run = run] {
-    experiments = loop::calibrate_memory(config, stages::progress_line(run, "calibrate", "experiments"));
-  });
-  result["summary"] = json_text(stages::summary_of(loop::memory_calibration_groups(experiments)), 2);
-  result["columns"] = columns_of(to_table(experiments));
-  return result;
-}
-
 std::string score_detector(const std::vector<std::tuple<py::dict, py::dict, double, double>>& recordings) {
   std::vector<loop::DetectorScore> scores;
   for (const auto& [truth, marks, duration_s, processor_s] : recordings) {

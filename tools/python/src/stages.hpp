@@ -55,7 +55,6 @@ std::string fit(const py::dict& samples, const Arguments& arguments, const py::o
 /// @return what `bouncelab roughness --json` prints
 std::string roughness(const py::dict& samples, const Arguments& arguments, const py::object& progress);
 /// @return {summary, columns of the experiments or None}
-py::dict calibrate(const Arguments& arguments, const py::object& progress);
 /// @param recordings  of each (truth: columns, marks: columns, duration_s, processor_s)
 /// @return JSON {all, recordings}: the scores of all and of each
 std::string score_detector(const std::vector<std::tuple<py::dict, py::dict, double, double>>& recordings);

@@ -94,8 +94,7 @@ std::string line_of(const fs::path& path, const std::string& taken_for) {
 
 }  // namespace
 
-TableReader open_onsets(const fs::path& path, const ForeignFileOptions& options,
-                                         std::vector<std::string>& taken_for) {
+TableReader open_onsets(const fs::path& path, const ForeignFileOptions& options, std::vector<std::string>& taken_for) {
   const ForeignOptions& said = options.table;
   if (!may_be_foreign(path) || (!said.tells() && audio::is_own_table(decoded_head(path))))
     return open_table(path, onset_columns());
@@ -109,7 +108,7 @@ TableReader open_onsets(const fs::path& path, const ForeignFileOptions& options,
   }
   const std::string name = input_name(path);
   const std::string text = decoded_text(whole_content(path), name);
-  TakenTable taken = onsets_from_foreign(read_foreign_table(text, name, said), name, said);
+  TakenTable taken = onsets_from_foreign(read_foreign_table(text, name, said));
   taken_for.push_back(line_of(path, taken.taken_for));
   return TableReader(std::move(taken.table));
 }
@@ -121,13 +120,11 @@ Onsets read_onsets(const fs::path& path, const ForeignFileOptions& options, std:
   return onsets_from_table(table, input_name(path));
 }
 
-TableReader open_samples(const fs::path& path, const ForeignOptions& options,
-                                          std::vector<std::string>& taken_for) {
+TableReader open_samples(const fs::path& path, const ForeignOptions& options, std::vector<std::string>& taken_for) {
   if (!may_be_foreign(path) || (!options.tells() && has_columns(decoded_head(path), {"v_mps", "eps"})))
     return open_table(path, sample_columns());
   const std::string name = input_name(path);
-  TakenTable taken =
-      samples_from_foreign(read_foreign_table(decoded_text(whole_content(path), name), name, options), name, options);
+  TakenTable taken = samples_from_foreign(read_foreign_table(decoded_text(whole_content(path), name), name, options));
   taken_for.push_back(line_of(path, taken.taken_for));
   if (options.columns.find("v_in=") != std::string::npos)  // of which nobody states an error
     taken.table.columns.push_back({"measured", std::vector<std::string>(taken.table.n_rows(), kOfDigits)});

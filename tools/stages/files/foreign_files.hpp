@@ -37,14 +37,14 @@ audio::Annotations read_label_track(const std::filesystem::path& path, const std
 /// @param taken_for  a line is added where the file is not ours
 /// @throws FileError, InvalidArgument
 TableReader open_onsets(const std::filesystem::path& path, const ForeignFileOptions& options,
-                                         std::vector<std::string>& taken_for);
+                        std::vector<std::string>& taken_for);
 /// All of them. @throws FileError, InvalidArgument
 Onsets read_onsets(const std::filesystem::path& path, const ForeignFileOptions& options,
                    std::vector<std::string>& taken_for);
 
 /// Coefficients of restitution and speeds: a table as restitution writes it, in pieces, or another's, at once.
 TableReader open_samples(const std::filesystem::path& path, const ForeignOptions& options,
-                                          std::vector<std::string>& taken_for);
+                         std::vector<std::string>& taken_for);
 
 /// Does a table hold speeds, with coefficients of restitution or with the speeds after the bounces, rather than times?
 /// By

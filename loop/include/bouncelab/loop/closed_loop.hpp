@@ -1,21 +1,24 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <chrono>
 #include <cstdint>
+#include <ctime>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "bouncelab/core/impacts.hpp"
+#include "bouncelab/core/onsets.hpp"
 #include "bouncelab/core/parallel.hpp"
 #include "bouncelab/core/samples.hpp"
 #include "bouncelab/detection/score.hpp"
 #include "bouncelab/fit/fit.hpp"
-#include "bouncelab/loop/drops.hpp"
-#include "bouncelab/loop/reservoir_check.hpp"
-#include "bouncelab/loop/scatter_theory.hpp"
+#include "bouncelab/loop/theory.hpp"
 #include "bouncelab/sim/contact.hpp"
 #include "bouncelab/sim/experiment.hpp"
 #include "bouncelab/sim/surface.hpp"
@@ -23,15 +26,75 @@
 
 namespace bouncelab::loop {
 
+/// How drops become sound: one recording each, all with the same gain and noise level.
+struct DropRecording {
+  synthesis::SynthesisConfig config;  ///< one channel; positions drawn, one for each drop
+  synthesis::Levels levels;
+  std::shared_ptr<const synthesis::Instrument> instrument;
+  /// The recordings are kept in this folder, which must exist, as BALL.0017.flac; files there are replaced. Absent:
+  /// they are not kept.
+  std::optional<std::filesystem::path> folder;
+};
+
+constexpr std::int64_t kDropsForLevels = 40;
+/// Gain and noise are chosen for the first drops (up to kDropsForLevels): the weakest impact of so many has the SNR of
+/// the configuration.
+/// @throws InvalidArgument where there is more than one channel
+DropRecording drop_recording(const synthesis::SynthesisConfig& config, const Impacts& impacts);
+
+/// One recording, of a drop or of all: its true impact times and those detected in its sound.
+struct RecordingResult {
+  std::string recording;  ///< its name in tables
+  std::vector<synthesis::TrueImpact> truth;
+  std::vector<synthesis::OtherSound> others;  ///< of one recording of all drops
+  Onsets onsets;
+  double sound_s = 0.0;       ///< length of the recording
+  double synthesize_s = 0.0;  ///< processor time, of a recording of one drop
+  double detect_s = 0.0;      ///< likewise
+};
+
+/// Synthesizes the sound of one drop and detects the impacts in it. A pure function of its arguments but for the
+/// recording kept.
+/// @param impacts  of this drop alone
+/// @param ball     names the recordings, BALL.0017.flac
+RecordingResult run_drop(const Impacts& impacts, const std::string& ball, const DropRecording& recording);
+
+/// All drops of a ball, in parallel, through memory.
+/// @param n_threads  0: all cores
+/// @param progress   in drops
+/// @return ordered by drop; the same for any number of threads
+std::vector<RecordingResult> run_drops(const Impacts& impacts, const std::string& ball, const DropRecording& recording,
+                                       int n_threads, const ProgressCallback& progress = {});
+
+/// All drops in one file, one after the other: what they have in common is learned of all.
+/// @param file      .wav or .flac; replaced where it is there
+/// @param progress  of the synthesis, in seconds of sound
+/// @return without times; detect_together finds them
+RecordingResult synthesize_together(const Impacts& impacts, const synthesis::SynthesisConfig& config,
+                                    const std::filesystem::path& file, const ProgressCallback& progress = {});
+/// @param progress  in seconds of sound
+void detect_together(RecordingResult& result, int n_threads, const ProgressCallback& progress = {});
+
+/// The detected onsets, one recording after the other.
+Onsets onsets_of(const std::vector<RecordingResult>& recordings);
+/// The true times as onsets.
+Onsets true_onsets_of(const std::vector<RecordingResult>& recordings);
+/// The truth with all its columns.
+Table truth_table_of(const std::vector<RecordingResult>& recordings);
+
 /// The closed loop: simulate -> synthesize -> detect -> restitution -> fit. Defaults: 40 drops of the paper's ball on
 /// glass, recorded at 96 kHz with a signal-to-noise ratio of 30 dB.
 struct LoopConfig {
   sim::SimulationConfig simulation;
   std::int64_t n_asperities = 1'000'000;  ///< drawn with the seed of the simulation
   sim::RadiusLaw radius_law;
-  std::optional<sim::Surface> surface;   ///< given: instead of drawing asperities
-  synthesis::SynthesisConfig synthesis;  ///< one channel
+  std::optional<sim::Surface> surface;  ///< given: instead of drawing asperities
+  synthesis::SynthesisConfig synthesis;
+  /// All drops in this one recording, which is replaced: its template is learned of all. Absent: a recording of one
+  /// channel for each drop, through memory, in parallel.
+  std::optional<std::filesystem::path> recording;
   bool with_smooth_ball = false;  ///< also the same ball without asperities, kRoughDropsPerSmoothDrop times fewer
+  bool with_direct = true;        ///< also the fit to the simulation itself, without any measurement
   bool with_memory = false;       ///< also the fit with memory, to the true and to the detected times
   std::optional<std::filesystem::path> sound_folder;  ///< as DropRecording::folder
   /// Speeds at which truth and results are compared [m/s]: slow, middle and fast impacts of a drop from 10 cm.
@@ -45,9 +108,45 @@ constexpr std::int64_t kRoughDropsPerSmoothDrop = 20;
 /// One ball: simulated, synthesized, detected.
 struct BallResult {
   std::string name;  ///< "rough" or "smooth"
-  Impacts impacts;   ///< without states
-  std::vector<DropResult> drops;
+  Impacts impacts;   ///< with states where the configuration asks for them
+  std::vector<RecordingResult> recordings;
   detection::OnsetScore score;
+};
+
+/// Processor time so far of the process, or of this thread. @param clock  CLOCK_PROCESS_CPUTIME_ID or
+/// CLOCK_THREAD_CPUTIME_ID
+double processor_time_s(clockid_t clock);
+
+/// Wall and processor time of each stage, in order.
+class StageClock {
+ public:
+  using SecondsByStage = std::vector<std::pair<std::string, double>>;
+
+  /// Runs one stage and notes its time under `name`.
+  template <class Work>
+  auto time(const std::string& name, Work&& work) {
+    const Timer timer{*this, name};
+    return work();
+  }
+  /// Notes processor time that a stage's own clocks tell in place of that of the last stage.
+  void split_last(const SecondsByStage& processor_s);
+  const SecondsByStage& wall_s() const { return wall_s_; }
+  /// Of all threads.
+  const SecondsByStage& processor_s() const { return processor_s_; }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  struct Timer {
+    StageClock& clock;
+    std::string name;
+    Clock::time_point start = Clock::now();
+    double process_start_s = processor_time_s(CLOCK_PROCESS_CPUTIME_ID);
+    ~Timer() {
+      clock.wall_s_.emplace_back(name, std::chrono::duration<double>(Clock::now() - start).count());
+      clock.processor_s_.emplace_back(name, processor_time_s(CLOCK_PROCESS_CPUTIME_ID) - process_start_s);
+    }
+  };
+  SecondsByStage wall_s_, processor_s_;
 };
 
 struct LoopResult {
@@ -57,21 +156,21 @@ struct LoopResult {
   std::vector<sim::EnergyShares> shares;   ///< of the rough ball
   sim::EnergyLedger energy;                ///< of the rough ball
   std::vector<sim::Reservoir> reservoirs;  ///< of the rough ball, after each impact
-  BallResult smooth;                       ///< without drops where it was not asked for
+  BallResult smooth;                       ///< without recordings where it was not asked for
   RestitutionSamples samples_direct;       ///< eq. 12 of the paper: macroscopic eps of the simulation, no sound
   RestitutionSamples samples_true;         ///< eq. 2 of the paper from the true times
   RestitutionSamples samples_sound;        ///< eq. 2 of the paper from the detected times
   RestitutionSamples samples_smooth;       ///< likewise, of the smooth ball
   fit::FitResult direct, true_times, sound, smooth_sound;
-  std::optional<ScatterTheory> theory;                              ///< of the rough ball, in the windows of `sound`
-  std::optional<ReservoirCheck> reservoir;                          ///< of the rough ball, from its sound
-  std::vector<std::pair<std::string, double>> wall_s, processor_s;  ///< by stage, in order
+  std::optional<ScatterTheory> theory;      ///< of the rough ball, in the windows of `sound`
+  std::optional<ReservoirCheck> reservoir;  ///< of the rough ball, from its sound
+  StageClock clock;
 };
 
 /// Makes the progress callback of a stage: `label` is what is done ("simulate"), `unit` what is counted ("drops").
 using StageProgress = std::function<ProgressCallback(const std::string& label, const std::string& unit)>;
 
-/// Runs the loop with all data in memory.
+/// Runs the loop with all data in memory but for the one recording.
 /// @throws InvalidArgument naming the setting that is out of range, FileError (disk full), what `progress` throws
 LoopResult run_loop(const LoopConfig& config, const StageProgress& progress = {});
 

@@ -29,8 +29,10 @@ struct AudioSource {
   std::vector<Silence> silences{};
 };
 
-/// Source of samples in memory, which must outlive it. @throws InvalidArgument naming a sample that is not finite
-AudioSource source_in_memory(std::span<const float> samples, double rate_hz);
+/// Source of samples in memory, which must outlive it.
+/// @param samples  interleaved where there are several channels
+/// @throws InvalidArgument naming a sample that is not finite
+AudioSource source_in_memory(std::span<const float> samples, double rate_hz, int n_channels = 1, int channel = 0);
 
 /// Reads samples first ... first + out.size() - 1; those outside the recording are 0.
 void read_padded(const AudioSource& source, std::int64_t first, std::span<float> out);
@@ -67,8 +69,8 @@ struct AudioFormat {
 };
 
 /// Reads recordings with random access, never resampled:
-///   - plain samples of WAV, RF64, W64, AIFF and AU in place
-///   - what else libsndfile knows (FLAC, OGG, MP3, CAF ...), decoded once into memory, or where there are more than
+///   - plain samples of WAV, RF64 and W64 in place
+///   - what else libsndfile knows (FLAC, AIFF, OGG, MP3 ...), decoded once into memory, or where there are more than
 ///     2^24 samples into a nameless file in TMPDIR or /tmp
 ///   - the sound of any other file likewise by ffmpeg, where that is installed (m4a, mp4, mov, 3gp, webm, mkv, amr ...)
 ///   - numbers: .npy of samples (x channels), tables of text with or without a column of times

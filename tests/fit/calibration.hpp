@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "bouncelab/core/ball.hpp"
-#include "bouncelab/core/description.hpp"
 #include "bouncelab/core/parallel.hpp"
 #include "bouncelab/core/restitution_law.hpp"
 #include "bouncelab/fit/law_fit.hpp"
@@ -55,14 +54,12 @@ struct CalibrationRow {
   double pull_mean = 0.0, pull_sd = 0.0;
   double coverage68 = 0.0, coverage95 = 0.0;
 };
-Description members_of(const CalibrationRow*);
 
 struct CalibrationResult {
   /// eps at 0.25, 0.6, 1.2 m/s, the constants, rising and falling slope in windows of 0.1 m/s about 0.3, 0.6, 1 m/s.
   std::vector<CalibrationRow> rows;
   std::size_t n_failed = 0;  ///< seeds whose fit did not converge: not in the rows
 };
-Description members_of(const CalibrationResult*);
 
 /// All seeds, one after the other, each on all threads.
 /// @throws InvalidArgument where a number is out of its range
