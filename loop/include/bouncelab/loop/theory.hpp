@@ -15,7 +15,7 @@
 #include "bouncelab/fit/fit.hpp"
 #include "bouncelab/fit/histogram_fit.hpp"
 #include "bouncelab/fit/reservoir_gain.hpp"
-#include "bouncelab/sim/energy.hpp"
+#include "bouncelab/sim/contact.hpp"
 #include "bouncelab/sim/experiment.hpp"
 #include "bouncelab/sim/theory.hpp"
 

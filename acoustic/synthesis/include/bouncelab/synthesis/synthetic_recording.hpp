@@ -92,7 +92,7 @@ struct Levels {
 };
 
 struct SynthesisConfig {
-  Ground ground = ground_preset(GroundPreset::glass);
+  Ground ground = ground_of(kGlass);
   Sensor sensor = piezo_sensor();
   std::vector<Channel> channels{Channel{}};  ///< 1 to 8; amplitudes and bounds refer to the first one that is not dead
   Ball ball;
