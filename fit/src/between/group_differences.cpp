@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "bouncelab/fit/group_differences.hpp"
+#include "bouncelab/fit/between_recordings.hpp"
 
 #include <Eigen/Core>
 #include <algorithm>
@@ -10,8 +10,7 @@
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/text.hpp"
 #include "law/law_model.hpp"
-#include "numerics/distributions.hpp"
-#include "numerics/linalg.hpp"
+#include "numerics/numerics.hpp"
 
 namespace bouncelab::fit {
 namespace {

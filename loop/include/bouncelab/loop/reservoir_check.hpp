@@ -11,7 +11,7 @@
 #include "bouncelab/core/onsets.hpp"
 #include "bouncelab/core/samples.hpp"
 #include "bouncelab/fit/fit.hpp"
-#include "bouncelab/fit/reservoir_gain.hpp"
+#include "bouncelab/fit/memory_fit.hpp"
 #include "bouncelab/sim/energy.hpp"
 
 namespace bouncelab::loop {

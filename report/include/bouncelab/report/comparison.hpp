@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "bouncelab/fit/between_recordings.hpp"
-#include "bouncelab/fit/group_differences.hpp"
 
 namespace bouncelab::report {
 
