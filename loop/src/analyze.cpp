@@ -2,6 +2,7 @@
 #include "bouncelab/loop/analyze.hpp"
 
 #include <algorithm>
+#include <memory>
 #include <utility>
 
 #include "bouncelab/audio/audio_reader.hpp"
@@ -30,7 +31,16 @@ Recordings detected(const std::vector<std::filesystem::path>& files, const Analy
   return recordings;
 }
 
-std::vector<RecordingDetails> details_of(const Analysis& analysis, const AnalyzeConfig& config) {
+/// @param rate_hz  of numbers without a sampling rate
+audio::AudioSource sound_of_file(const detection::RecordingDetection& r, std::optional<double> rate_hz) {
+  const auto reader = std::make_shared<audio::AudioReader>(r.recording, rate_hz, r.found.summary.track);
+  audio::AudioSource sound = reader->source(r.found.summary.channel);
+  sound.read = [reader, read = std::move(sound.read)](std::int64_t first, std::span<float> out) { read(first, out); };
+  return sound;
+}
+
+std::vector<RecordingDetails> details_of(const Analysis& analysis, const AnalyzeConfig& config,
+                                         const SoundOf& sound_of) {
   std::vector<RecordingDetails> all;
   std::int64_t n_shown = 0;
   for (const detection::RecordingDetection& r : analysis.recordings) {
@@ -38,8 +48,7 @@ std::vector<RecordingDetails> details_of(const Analysis& analysis, const Analyze
     const detection::Detection& d = r.found;
     const std::string name = input_name(r.recording);
     RecordingDetails details{r.recording, d.summary.n_drops, {}, d.wave, d.noise};
-    audio::AudioReader reader(r.recording, config.detection.rate_hz, d.summary.track);
-    const auto sound = reader.source(d.summary.channel);
+    const audio::AudioSource sound = sound_of(r);
     for (std::int64_t drop = 0; drop < d.summary.n_drops && n_shown < kMostShown; ++drop, ++n_shown)
       details.drops.push_back({detection::drop_preview(sound, name, d.summary.channel, d.onsets, drop),
                                fit::predict_intervals(analysis.restitution.samples, name, drop, analysis.fit.law.law,
@@ -54,15 +63,16 @@ void times_to_constants(Analysis& analysis, const AnalyzeConfig& config, const S
   analysis.fit = fit::fit_all(analysis.restitution.samples, config.fit, callback(progress, "fit", "fits"));
 }
 
-void sound_to_constants(Analysis& analysis, const AnalyzeConfig& config, const StageProgress& progress) {
+void sound_to_constants(Analysis& analysis, const AnalyzeConfig& config, const SoundOf& sound_of,
+                        const StageProgress& progress) {
   if (!first_found(analysis.recordings)) return;
   for (const detection::RecordingDetection& r : analysis.recordings)
     analysis.onsets.insert(analysis.onsets.end(), r.found.onsets.begin(), r.found.onsets.end());
   times_to_constants(analysis, config, progress);
   const detection::RecordingDetection& shown = *first_found(analysis.recordings);
-  analysis.wave = detection::wave_preview(std::filesystem::path(shown.recording), shown.found.summary.channel,
-                                          shown.found.onsets, config.detection.rate_hz, shown.found.summary.track);
-  if (config.with_details) analysis.details = details_of(analysis, config);
+  analysis.wave = detection::wave_preview(sound_of(shown), input_name(shown.recording), shown.found.summary.channel,
+                                          shown.found.onsets);
+  if (config.with_details) analysis.details = details_of(analysis, config, sound_of);
 }
 
 }  // namespace
@@ -76,10 +86,10 @@ detection::DetectionConfig detection_config(const AnalyzeConfig& config) {
 
 Analysis analyze(const std::vector<std::filesystem::path>& recordings, const AnalyzeConfig& config,
                  const StageProgress& progress) {
-  Analysis analysis;
-  analysis.recordings = detected(recordings, config, progress);
-  sound_to_constants(analysis, config, progress);
-  return analysis;
+  const auto sound_of = [&](const detection::RecordingDetection& r) {
+    return sound_of_file(r, config.detection.rate_hz);
+  };
+  return analyze_found(detected(recordings, config, progress), config, sound_of, progress);
 }
 
 Analysis analyze_times(Onsets onsets, const AnalyzeConfig& config, const StageProgress& progress) {
@@ -98,10 +108,10 @@ Analysis analyze_samples(RestitutionSamples samples, const AnalyzeConfig& config
 }
 
 Analysis analyze_found(std::vector<detection::RecordingDetection> recordings, const AnalyzeConfig& config,
-                       const StageProgress& progress) {
+                       const SoundOf& sound_of, const StageProgress& progress) {
   Analysis analysis;
   analysis.recordings = std::move(recordings);
-  sound_to_constants(analysis, config, progress);
+  sound_to_constants(analysis, config, sound_of, progress);
   return analysis;
 }
 

@@ -136,16 +136,15 @@ void fit_everything(LoopResult& loop, const LoopConfig& config, const StageProgr
       loop.samples_smooth = samples_of(onsets_of(loop.smooth.recordings));
       fit(loop.samples_smooth, loop.smooth_sound);
     });
-  if (const ProgressCallback report = callback(progress, "fit", "fits"))
-    report(0.0, static_cast<double>(fits.size()));
+  if (const ProgressCallback report = callback(progress, "fit", "fits")) report(0.0, static_cast<double>(fits.size()));
   parallel_for(fits.size(), config.n_threads, [&](std::size_t k) { fits[k](); });
 }
 
 }  // namespace
 
-double StageClock::process_time_s() {
+double processor_time_s(clockid_t clock) {
   std::timespec now{};
-  ::clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  ::clock_gettime(clock, &now);
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "bouncelab/loop/drops.hpp"
+#include "bouncelab/loop/closed_loop.hpp"
 
 #include <algorithm>
-#include <ctime>
 #include <mutex>
 #include <utility>
 
@@ -28,12 +27,6 @@ std::vector<std::size_t> begins_of_drops(const Impacts& impacts) {
 Impacts rows_of(const Impacts& impacts, std::size_t first, std::size_t last) {
   const auto at = [&](std::size_t k) { return impacts.rows.begin() + static_cast<std::ptrdiff_t>(k); };
   return {{at(first), at(last)}, {}};
-}
-
-double thread_processor_time_s() {
-  std::timespec now{};
-  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
 void keep(const std::vector<float>& samples, const synthesis::SynthesisConfig& config, const fs::path& path) {
@@ -63,7 +56,7 @@ DropRecording drop_recording(const synthesis::SynthesisConfig& config, const Imp
 RecordingResult run_drop(const Impacts& impacts, const std::string& ball, const DropRecording& recording) {
   RecordingResult result;
   const std::int64_t drop = impacts.rows.front().drop;
-  const double start_s = thread_processor_time_s();
+  const double start_s = processor_time_s(CLOCK_THREAD_CPUTIME_ID);
   const synthesis::SynthesisConfig config = synthesis::config_of_drop(recording.config, recording.levels, drop);
   const synthesis::SyntheticRecording sound(impacts, config, recording.instrument);
   const std::vector<float> samples = sound.samples_as_read_back();
@@ -71,10 +64,10 @@ RecordingResult run_drop(const Impacts& impacts, const std::string& ball, const 
   result.sound_s = static_cast<double>(samples.size()) / config.rate_hz;
   result.recording = synthesis::path_of_drop(ball + ".flac", drop).string();
   if (recording.folder) keep(samples, config, *recording.folder / result.recording);
-  const double synthesized_s = thread_processor_time_s();
+  const double synthesized_s = processor_time_s(CLOCK_THREAD_CPUTIME_ID);
   result.onsets = detection::detect(samples, config.rate_hz, result.recording).onsets;
   result.synthesize_s = synthesized_s - start_s;
-  result.detect_s = thread_processor_time_s() - synthesized_s;
+  result.detect_s = processor_time_s(CLOCK_THREAD_CPUTIME_ID) - synthesized_s;
   return result;
 }
 

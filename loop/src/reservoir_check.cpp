@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "bouncelab/loop/reservoir_check.hpp"
+#include "bouncelab/loop/theory.hpp"
 
 #include <algorithm>
 #include <cmath>

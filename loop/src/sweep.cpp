@@ -3,23 +3,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
-#include <sstream>
 
 #include "bouncelab/core/error.hpp"
+#include "bouncelab/core/text.hpp"
 #include "bouncelab/loop/closed_loop.hpp"
 #include "bouncelab/loop/loop_score.hpp"
 
 namespace bouncelab::loop {
 namespace {
-
-/// A speed into a text, as printf does.
-std::string text_of(const char* format, double value) {
-  char text[100];
-  std::snprintf(text, sizeof text, format, value);
-  return text;
-}
 
 /// By detection alone: missed and invented impacts. Empty: no failure.
 std::string detection_failure(const detection::OnsetScore& score) {
@@ -42,11 +34,11 @@ std::string failure_of(const LoopResult& loop, const std::vector<double>& node_s
     const fit::NodeEstimate *sound = node_at(loop.sound, v), *exact = node_at(loop.true_times, v);
     if (sound == nullptr || exact == nullptr || !exact->eps.se) return "no law";
     if (std::abs(sound->eps.value - exact->eps.value) > *exact->eps.se)
-      return text_of("eps(%g m/s) moved by more than its standard error", v);
+      return formatted("eps(%g m/s) moved by more than its standard error", v);
   }
   for (const fit::HistogramFit& exact : loop.true_times.histograms)
     if (exact.slope_rising && exact.slope_falling && slopes_moved(exact, window_with_slopes(loop.sound, exact.v_mps)))
-      return text_of("slopes at %.1f m/s moved by more than a tenth", exact.v_mps);
+      return formatted("slopes at %.1f m/s moved by more than a tenth", exact.v_mps);
   return "";
 }
 
@@ -85,7 +77,7 @@ std::vector<SweepValue> values_of(const LoopResult& loop, const std::vector<doub
   values.add("time_pull_sd", score.pull_sd);
   values.add_count("n_samples", loop.sound.n_used);
   for (const double v : node_speeds_mps) {
-    const std::string name = text_of("eps_%g", v);
+    const std::string name = formatted("eps_%g", v);
     values.add(name + "_truth", restitution(loop.simulation.law, v));
     for (const auto& [suffix, fit] : {std::pair{"_true_times", &loop.true_times}, {"_sound", &loop.sound}}) {
       const fit::NodeEstimate* node = node_at(*fit, v);
@@ -96,12 +88,12 @@ std::vector<SweepValue> values_of(const LoopResult& loop, const std::vector<doub
   for (const double v : {0.3, 0.6, 1.0})
     for (const auto& [suffix, fit] : {std::pair{"_simulation", &loop.direct}, {"_sound", &loop.sound}}) {
       const fit::HistogramFit* window = window_with_slopes(*fit, v);
-      values.add_estimate(text_of("slope_rising_%.1f", v) + suffix, window ? &*window->slope_rising : nullptr);
-      values.add_estimate(text_of("slope_falling_%.1f", v) + suffix, window ? &*window->slope_falling : nullptr);
+      values.add_estimate(formatted("slope_rising_%.1f", v) + suffix, window ? &*window->slope_rising : nullptr);
+      values.add_estimate(formatted("slope_falling_%.1f", v) + suffix, window ? &*window->slope_falling : nullptr);
     }
   for (const double v : {0.3, 0.6, 1.0}) {
     const fit::HistogramFit* window = window_at(loop.direct, v);
-    values.add(text_of("p_exponentials_%.1f_simulation", v), window ? window->p_value : std::nullopt);
+    values.add(formatted("p_exponentials_%.1f_simulation", v), window ? window->p_value : std::nullopt);
   }
   const std::optional<fit::Estimate>& exponent = loop.sound.budget.width_exponent;
   values.add_estimate("width_exponent", exponent ? &*exponent : nullptr);
@@ -110,29 +102,22 @@ std::vector<SweepValue> values_of(const LoopResult& loop, const std::vector<doub
 
 }  // namespace
 
-std::size_t n_combinations(const std::vector<SweepAxis>& axes) {
-  std::size_t n = 1;
-  double n_exact = 1.0;  // the product may be beyond all integers
+std::vector<Settings> combinations(const std::vector<SweepAxis>& axes) {
+  double n = 1.0;  // may be beyond all integers
+  for (const SweepAxis& axis : axes) n *= static_cast<double>(axis.values.size());
+  if (n > static_cast<double>(kMostCombinations))
+    throw InvalidArgument(
+        formatted("the lists have %.6g combinations; a sweep runs through at most %zu, each a closed "
+                  "loop of a second or more: shorten the lists, or make several sweeps",
+                  n, kMostCombinations));
+  std::vector<Settings> all{{}};
   for (const SweepAxis& axis : axes) {
-    n_exact *= static_cast<double>(axis.values.size());
-    n = n_exact > static_cast<double>(kMostCombinations) ? n : n * axis.values.size();
+    std::vector<Settings> longer;
+    for (const Settings& settings : all)
+      for (const std::string& value : axis.values) longer.emplace_back(settings).emplace_back(axis.option, value);
+    all = std::move(longer);
   }
-  if (n_exact <= static_cast<double>(kMostCombinations)) return n;
-  std::ostringstream out;
-  out << "the lists have " << n_exact << " combinations; a sweep runs through at most " << kMostCombinations
-      << ", each a closed loop of a second or more: shorten the lists, or make several sweeps";
-  throw InvalidArgument(out.str());
-}
-
-Settings combination(const std::vector<SweepAxis>& axes, std::size_t index) {
-  Settings settings;
-  for (std::size_t k = axes.size(); k-- > 0;) {
-    const SweepAxis& axis = axes[k];
-    settings.emplace_back(axis.option, axis.values[index % axis.values.size()]);
-    index /= axis.values.size();
-  }
-  std::reverse(settings.begin(), settings.end());
-  return settings;
+  return all;
 }
 
 std::string text_of(const Settings& settings) {

@@ -2,15 +2,17 @@
 // Tables below the figures.
 
 
-/// Truth beside what came back; only after a closed loop.
+/// How far a value is from the truth, in standard errors.
+const pull = (x, se, truth) => known(x) && known(se) && se > 0 && known(truth) ? ((x - truth) / se).toFixed(1) : '–';
+
+/// Truth beside what came back; only after a closed loop. (The constants have theirs in their own table.)
 function truthTable() {
   const nodes = (summary && summary.eps_nodes) || [];
   if (!nodes.some(n => n.from_true_times)) return;
-  const pull = (x, se, truth) => known(x) && known(se) && se > 0 && known(truth) ? ((x - truth) / se).toFixed(1) : '–';
-  const row = (name, truth, a, b) => [name, number(truth, 6), measured(a[0], a[1]), measured(b[0], b[1]), pull(b[0], b[1], truth)];
-  const of = (e, key) => [(e || {})[key], (e || {}).se];
-  const rows = nodes.map(n => row(`ε(${speed(n.v_mps)})`, n.truth, of(n.from_true_times, 'eps'), of(n.from_sound, 'eps')));
-  for (const c of summary.constants || []) rows.push(row(c.name, c.truth, of(c.from_true_times, 'value'), of(c.from_sound, 'value')));
+  const rows = nodes.map(n => {
+    const a = n.from_true_times || {}, b = n.from_sound || {};
+    return [`ε(${speed(n.v_mps)})`, number(n.truth, 6), measured(a.eps, a.se), measured(b.eps, b.se), pull(b.eps, b.se, n.truth)];
+  });
   table('What went in, what came out', ['quantity', 'truth', 'from true times', 'from sound', 'pull'], rows,
         'ε is that of the law at the contact, which the most frequent ε follows. Pull: (from sound − truth) / standard error; honest errors give values of about ±1.');
   const cell = x => x ? measured(x.value, x.se) : '–';
@@ -52,10 +54,15 @@ function constantsTable() {
     return;
   }
   const byDrop = named.some(([, e]) => known(e.se_independent)), boot = named.some(([, e]) => e.bootstrap);
-  const rows = named.map(([name, e]) => [name, measured(e.value, e.se), interval(e.ci95),
+  const ofLoop = Object.fromEntries(((summary && summary.constants) || []).map(c => [c.name, c])), afterLoop = named.some(([name]) => ofLoop[name]);
+  const beside = (name, e) => {
+    const {truth, from_true_times: a} = ofLoop[name] || {};
+    return [number(truth, 6), a ? measured(a.value, a.se) : '–', pull(e.value, e.se, truth)];
+  };
+  const rows = named.map(([name, e]) => [name, measured(e.value, e.se), interval(e.ci95), ...(afterLoop ? beside(name, e) : []),
                                          ...(byDrop ? [known(e.se_independent) ? e.se_independent.toPrecision(2) : '–'] : []),
                                          ...(boot ? [e.bootstrap ? e.bootstrap.se.toPrecision(2) : '–', interval((e.bootstrap || {}).ci95)] : [])]);
-  table('Constants of the law', ['quantity', 'value ± standard error', '95% interval', ...(byDrop ? ['error if impacts were independent'] : []),
+  table('Constants of the law', ['quantity', 'value ± standard error', '95% interval', ...(afterLoop ? ['truth', 'from true times', 'pull'] : []), ...(byDrop ? ['error if impacts were independent'] : []),
                                  ...(boot ? ['bootstrap error', 'bootstrap 95%'] : [])], rows,
         `ε(v) = 1 + Σ Cᵢ Aᵢ v^(i/10), v in m/s; C₂ = −1.153449, C₄ = 0.798267, C₅ = 4/15. Maximum likelihood${withMemory ? ' of each impact given the earlier ones of its drop (with memory)' : ', the scatter as two exponentials, one to either side, with a normal part; the law is its peak'}. ${why}`.trim());
   const quality = [], good = fit.goodness || {}, covariance = constants.covariance || [];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "bouncelab/report/comparison.hpp"
+#include "bouncelab/report/answer.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -16,37 +16,15 @@ using namespace fit;
 
 namespace {
 
-Value date_of(const RecordingOrigin& origin) { return origin.date ? Value(origin.date->day) : Value{}; }
-
-Values outliers_of(const BetweenRecordings& between, const std::vector<CampaignRecording>& recordings) {
-  Values rows;
-  for (std::size_t k = 0; k < recordings.size(); ++k) {
-    const RecordingRow& row = between.rows[k];
-    if (!row.is_outlier) continue;
-    rows.push_back(Object{{"recording", recordings[k].summary.recording},
-                          {"plate", recordings[k].origin.plate},
-                          {"day", date_of(recordings[k].origin)},
-                          {"n", value_of(recordings[k].summary.n)},
-                          {"eps", row.eps},
-                          {"se", row.se},
-                          {"offset", row.offset},
-                          {"standardised", row.standardised},
-                          {"p_value", row.p_value}});
-  }
-  return rows;
-}
-
-Values not_used_of(const std::vector<CampaignRecording>& recordings) {
-  Values rows;
-  for (const CampaignRecording& recording : recordings)
-    if (recording.summary.status != FitStatus::ok)
-      rows.push_back(Object{{"recording", recording.summary.recording},
-                            {"plate", recording.origin.plate},
-                            {"day", date_of(recording.origin)},
-                            {"n", value_of(recording.summary.n)},
-                            {"status", to_string(recording.summary.status)},
-                            {"message", recording.summary.why ? in_words(*recording.summary.why) : std::string()}});
-  return rows;
+/// What a recording is called in a list, and what else is said of it there.
+Object row_of(const CampaignRecording& recording, const Object& more) {
+  const RecordingOrigin& origin = recording.origin;
+  Object row{{"recording", recording.summary.recording},
+             {"plate", origin.plate},
+             {"day", origin.date ? Value(origin.date->day) : Value{}},
+             {"n", value_of(recording.summary.n)}};
+  append(row, more);
+  return row;
 }
 
 }  // namespace
@@ -59,8 +37,22 @@ Object object_of(const BetweenRecordings& between, const std::vector<CampaignRec
   all.emplace_back("notes", values_of(between.notes));
   append(all, bouncelab::object_of(between));
   all.emplace_back("differences", value_of(differences));
-  all.emplace_back("outliers", outliers_of(between, recordings));
-  all.emplace_back("not_used", not_used_of(recordings));
+  Values outliers, not_used;
+  for (std::size_t k = 0; k < recordings.size(); ++k) {
+    const RecordingRow& row = between.rows[k];
+    const RecordingSummary& summary = recordings[k].summary;
+    if (row.is_outlier)
+      outliers.push_back(row_of(recordings[k], {{"eps", row.eps},
+                                                {"se", row.se},
+                                                {"offset", row.offset},
+                                                {"standardised", row.standardised},
+                                                {"p_value", row.p_value}}));
+    if (summary.status != FitStatus::ok)
+      not_used.push_back(row_of(recordings[k], {{"status", to_string(summary.status)},
+                                                {"message", summary.why ? in_words(*summary.why) : std::string()}}));
+  }
+  all.emplace_back("outliers", std::move(outliers));
+  all.emplace_back("not_used", std::move(not_used));
   return all;
 }
 
@@ -87,20 +79,20 @@ std::string points_json(const BetweenRecordings& between, const std::vector<Camp
   std::vector<std::string> names, plates;
   std::vector<double> times, eps, se, offset, standardised;
   std::vector<std::int64_t> n_samples, outlier;
+  const auto rounded = [](double x, double steps) { return std::round(x * steps) / steps; };  // far below any error
   for (std::size_t j = 0; j < used.size(); ++j) {
     const std::size_t k = used[j];
     if (!is_shown[k] && j % step != 0) continue;
     const RecordingRow& row = between.rows[k];
-    names.push_back(recordings[k].summary.recording);
-    plates.push_back(recordings[k].origin.plate);
-    const bool has_date = !by_date || recordings[k].origin.date;
-    times.push_back(has_date ? time(k) : std::nan(""));
-    n_samples.push_back(static_cast<std::int64_t>(recordings[k].summary.n));
-    const auto short_number = [](double x) { return std::round(x * 1e8) * 1e-8; };  // far below any error
-    eps.push_back(short_number(row.eps));
-    se.push_back(short_number(row.se));
-    offset.push_back(short_number(row.offset));
-    standardised.push_back(std::round(row.standardised * 1e3) * 1e-3);
+    const CampaignRecording& of = recordings[k];
+    names.push_back(of.summary.recording);
+    plates.push_back(of.origin.plate);
+    times.push_back(!by_date || of.origin.date ? time(k) : std::nan(""));
+    n_samples.push_back(static_cast<std::int64_t>(of.summary.n));
+    eps.push_back(rounded(row.eps, 1e8));
+    se.push_back(rounded(row.se, 1e8));
+    offset.push_back(rounded(row.offset, 1e8));
+    standardised.push_back(rounded(row.standardised, 1e3));
     outlier.push_back(row.is_outlier ? 1 : 0);
   }
   return json_text(Object{{"n", value_of(used.size())},
@@ -164,20 +156,14 @@ std::string of_drift(const BetweenRecordings& between) {
   return "No drift is seen: " + slope + ".";
 }
 
-/// The outliers, furthest first.
-std::vector<std::size_t> outliers_of(const BetweenRecordings& between) {
-  std::vector<std::size_t> outliers;
+std::string of_outliers(const BetweenRecordings& between, const std::vector<CampaignRecording>& recordings) {
+  constexpr std::size_t kMostNamed = 5;
+  std::vector<std::size_t> outliers;  // furthest first
   for (std::size_t k = 0; k < between.rows.size(); ++k)
     if (between.rows[k].is_outlier) outliers.push_back(k);
   std::stable_sort(outliers.begin(), outliers.end(), [&](std::size_t a, std::size_t b) {
     return std::abs(between.rows[a].standardised) > std::abs(between.rows[b].standardised);
   });
-  return outliers;
-}
-
-std::string of_outliers(const BetweenRecordings& between, const std::vector<CampaignRecording>& recordings) {
-  constexpr std::size_t kMostNamed = 5;
-  const std::vector<std::size_t> outliers = outliers_of(between);
   if (outliers.empty()) return "No recording differs from the others by more than chance.";
   std::string text = n_recordings(outliers.size()) + (outliers.size() == 1 ? " differs" : " differ") +
                      " from the others by more than chance and " + (outliers.size() == 1 ? "is" : "are") +
@@ -189,11 +175,6 @@ std::string of_outliers(const BetweenRecordings& between, const std::vector<Camp
   }
   if (outliers.size() > kMostNamed) text += " and " + std::to_string(outliers.size() - kMostNamed) + " more";
   return text + ".";
-}
-
-std::string of_groups(const Grouping& grouping, const char* name) {
-  if (!grouping.deviation) return {};
-  return of_deviation(*grouping.deviation, name, "");
 }
 
 /// Of few plates the one that is furthest off the mean.
@@ -268,9 +249,10 @@ std::vector<std::string> in_words(const BetweenRecordings& between, const std::v
   sentences.push_back(of_deviation(between.tau, "recording", " beyond the errors of each"));
   sentences.push_back(of_drift(between));
   sentences.push_back(of_outliers(between, recordings));
-  for (std::string sentence : {differences ? std::string() : of_few_plates(between.plates),
-                               of_groups(between.plates, "plate"), of_groups(between.days, "day")})
-    if (!sentence.empty()) sentences.push_back(std::move(sentence));
+  if (std::string few = differences ? "" : of_few_plates(between.plates); !few.empty())
+    sentences.push_back(std::move(few));
+  for (const auto& [grouping, name] : {std::pair{&between.plates, "plate"}, {&between.days, "day"}})
+    if (grouping->deviation) sentences.push_back(of_deviation(*grouping->deviation, name, ""));
   if (between.shapes.ndf > 0.0 && between.shapes.p_value < 0.001 &&
       between.shapes.chi2 > kMoreThanErrorsOfErrors * between.shapes.ndf)
     sentences.push_back(

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "bouncelab/report/conclusions.hpp"
+#include "bouncelab/report/answer.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -18,29 +18,21 @@ std::vector<const HistogramFit*> fitted(const FitResult& result) {
   return windows;
 }
 
-const ShapeFit* shape_fit(const HistogramFit& h, DensityShape shape) {
-  const auto found =
-      std::find_if(h.shapes.begin(), h.shapes.end(), [&](const ShapeFit& s) { return s.shape == shape; });
-  return found == h.shapes.end() ? nullptr : &*found;
+/// A conclusion that no data were seen for yet.
+Conclusion open_claim(const char* claim, const char* measure, const char* criterion) {
+  return {claim, measure, {}, {}, criterion, false, ""};
 }
 
 Conclusion not_normal(const FitResult& rough) {
-  Conclusion c{"p(ε) at fixed speed is not normal",
-               "smallest AIC(normal) − AIC(two exponentials) of the windows",
-               {},
-               {},
-               "above 10 in every window",
-               false,
-               ""};
+  Conclusion c = open_claim("p(ε) at fixed speed is not normal",
+                            "smallest AIC(normal) − AIC(two exponentials) of the windows", "above 10 in every window");
   double largest_p = 0.0;
   for (const HistogramFit* h : fitted(rough)) {
     if (!h->delta_aic_gaussian) continue;
-    if (!c.value || *h->delta_aic_gaussian < *c.value) {
-      c.value = *h->delta_aic_gaussian;
-      c.detail = formatted("smallest at %.1f m/s", h->v_mps);
-    }
-    const ShapeFit* normal = shape_fit(*h, DensityShape::normal);
-    if (normal != nullptr && normal->p_value) largest_p = std::max(largest_p, *normal->p_value);
+    if (!c.value || *h->delta_aic_gaussian < *c.value)
+      c.value = *h->delta_aic_gaussian, c.detail = formatted("smallest at %.1f m/s", h->v_mps);
+    for (const ShapeFit& s : h->shapes)
+      if (s.shape == DensityShape::normal && s.p_value) largest_p = std::max(largest_p, *s.p_value);
   }
   c.holds = c.value && *c.value > 10.0;
   if (c.value) c.detail += formatted("; largest p-value of a normal (Pearson's χ²) %.2g", largest_p);
@@ -48,13 +40,9 @@ Conclusion not_normal(const FitResult& rough) {
 }
 
 Conclusion two_slopes(const FitResult& rough) {
-  Conclusion c{"its two slopes differ, the low side reaching further",
-               "falling over rising slope, in the window where they differ least",
-               {},
-               {},
-               "95% interval above 1 in every window",
-               false,
-               ""};
+  Conclusion c = open_claim("its two slopes differ, the low side reaching further",
+                            "falling over rising slope, in the window where they differ least",
+                            "95% interval above 1 in every window");
   for (const HistogramFit* h : fitted(rough)) {
     if (!h->slope_ratio || !h->slope_ratio->ci95) continue;
     if (c.ci95 && h->slope_ratio->ci95->lo >= c.ci95->lo) continue;
@@ -68,70 +56,54 @@ Conclusion two_slopes(const FitResult& rough) {
 }
 
 Conclusion peaks_follow_the_law(const FitResult& rough, const std::optional<RestitutionLaw>& truth) {
-  Conclusion c{"its peaks follow ε(v)",
-               truth ? "largest |peak − ε(v) that went in| over its standard error"
-                     : "largest |peak − fitted ε(v)| over its standard error",
-               {},
-               {},
-               "below 3 in every window",
-               false,
-               ""};
+  Conclusion c = open_claim("its peaks follow ε(v)",
+                            truth ? "largest |peak − ε(v) that went in| over its standard error"
+                                  : "largest |peak − fitted ε(v)| over its standard error",
+                            "below 3 in every window");
   const std::optional<RestitutionLaw>& law = truth ? truth : rough.law.law;
   if (!law) return c;
   double square = 0.0, n = 0.0;
   for (const HistogramFit* h : fitted(rough)) {
     if (!h->peak_eps->se || !(*h->peak_eps->se > 0.0)) continue;
-    const double pull = (h->peak_eps->value - restitution(*law, h->v_mps)) / *h->peak_eps->se;
+    const double off = h->peak_eps->value - restitution(*law, h->v_mps), pull = off / *h->peak_eps->se;
     square += pull * pull;
     n += 1.0;
-    if (c.value && std::abs(pull) <= *c.value) continue;
-    c.value = std::abs(pull);
-    c.detail = formatted("largest at %.1f m/s: %+.2g off", h->v_mps, h->peak_eps->value - restitution(*law, h->v_mps));
+    if (!c.value || std::abs(pull) > *c.value)
+      c.value = std::abs(pull), c.detail = formatted("largest at %.1f m/s: %+.2g off", h->v_mps, off);
   }
   if (n > 0.0) c.detail += formatted("; root mean square of %.0f pulls %.2f", n, std::sqrt(square / n));
   c.holds = c.value && *c.value < 3.0;
   return c;
 }
 
-/// The row of the budget whose speed is nearest.
-const BudgetRow* row_near(const ErrorBudget& budget, double v_mps) {
-  const auto nearest = std::min_element(budget.rows.begin(), budget.rows.end(), [&](const auto& a, const auto& b) {
-    return std::abs(a.v_mps - v_mps) < std::abs(b.v_mps - v_mps);
-  });
-  return nearest == budget.rows.end() ? nullptr : &*nearest;
-}
-
 Conclusion asperities_scatter(const FitResult& rough, const FitResult& smooth) {
-  Conclusion c{"the scatter comes from the asperities",
-               "spread of the smooth ball over that of the rough one, where it is largest",
-               {},
-               {},
-               "below 0.1 at every speed",
-               false,
-               ""};
+  Conclusion c = open_claim("the scatter comes from the asperities",
+                            "spread of the smooth ball over that of the rough one, where it is largest",
+                            "below 0.1 at every speed");
   for (const BudgetRow& row : rough.budget.rows) {
-    const BudgetRow* same = row_near(smooth.budget, row.v_mps);
-    if (same == nullptr || !(row.spread > 0.0)) continue;
+    const auto same = std::min_element(
+        smooth.budget.rows.begin(), smooth.budget.rows.end(),
+        [&](const auto& a, const auto& b) { return std::abs(a.v_mps - row.v_mps) < std::abs(b.v_mps - row.v_mps); });
+    if (same == smooth.budget.rows.end() || !(row.spread > 0.0)) continue;
     const double ratio = same->spread / row.spread;
-    if (c.value && ratio <= *c.value) continue;
-    c.value = ratio;
-    c.detail = formatted("largest at %.2f m/s: %.2g against %.2g", row.v_mps, same->spread, row.spread);
+    if (!c.value || ratio > *c.value)
+      c.value = ratio,
+      c.detail = formatted("largest at %.2f m/s: %.2g against %.2g", row.v_mps, same->spread, row.spread);
   }
   c.holds = c.value && *c.value < 0.1;
   return c;
 }
 
 Conclusion scatter_grows(const FitResult& rough) {
-  Conclusion c{"the scatter grows as the speed falls", "k of spread ∝ v^k", {}, {}, "95% interval below 0", false, ""};
+  Conclusion c = open_claim("the scatter grows as the speed falls", "k of spread ∝ v^k", "95% interval below 0");
   const std::optional<Estimate>& k = rough.budget.width_exponent;
   if (!k) return c;
   c.value = k->value;
   c.ci95 = k->ci95;
   c.holds = k->ci95 && k->ci95->hi < 0.0;
-  if (!rough.budget.rows.empty())
-    c.detail =
-        formatted("spread %.2g at %.2f m/s, %.2g at %.2f m/s", rough.budget.rows.front().spread,
-                  rough.budget.rows.front().v_mps, rough.budget.rows.back().spread, rough.budget.rows.back().v_mps);
+  if (const auto& rows = rough.budget.rows; !rows.empty())
+    c.detail = formatted("spread %.2g at %.2f m/s, %.2g at %.2f m/s", rows.front().spread, rows.front().v_mps,
+                         rows.back().spread, rows.back().v_mps);
   return c;
 }
 

@@ -7,13 +7,52 @@
 #include <string_view>
 #include <utility>
 
-#include "assets.hpp"
+#include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/core.hpp"
 #include "bouncelab/core/description.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/fit/histogram_fit.hpp"
 #include "bouncelab/fit/restitution.hpp"
 #include "words.hpp"
+
+// The assembler puts the files into the program as they are: no generated source, no file to look for at run time.
+#ifdef __EMSCRIPTEN__  // its assembler wants the kind of a section, and each object's type and size
+#define BOUNCELAB_SECTION(name) ".section .rodata.bouncelab_asset_" #name ",\"\",@\n"
+#define BOUNCELAB_SYMBOL(name, size) ".type " name ",@object\n.size " name ", " size "\n.globl " name "\n" name ":\n"
+#define BOUNCELAB_END ".section .text,\"\",@\n"
+#else
+#define BOUNCELAB_SECTION(name) ".section .rodata\n"
+#define BOUNCELAB_SYMBOL(name, size) ".global " name "\n" name ":\n"
+#define BOUNCELAB_END ".previous\n"
+#endif
+#define BOUNCELAB_ASSET(name, path)                                                                                    \
+  __asm__(BOUNCELAB_SECTION(name) BOUNCELAB_SYMBOL(                                                                    \
+      "bouncelab_asset_" #name,                                                                                        \
+      "bouncelab_asset_" #name "_end-bouncelab_asset_" #name) ".incbin \"" path                                        \
+                                                              "\"\n" BOUNCELAB_SYMBOL("bouncelab_asset_" #name "_end", \
+                                                                                      "1") ".byte 0\n" BOUNCELAB_END); \
+  extern "C" const char bouncelab_asset_##name[];                                                                      \
+  extern "C" const char bouncelab_asset_##name##_end[];
+// the page's scripts, in the order in which they build on each other
+#define BOUNCELAB_FOR_EACH_SCRIPT(script)                                                                            \
+  script(text) script(plot) script(law_figures) script(scatter_figures) script(sound_figures) script(diagnostics)    \
+      script(memory) script(reservoir) script(paper) script(sweep) script(compare) script(validation) script(tables) \
+          script(ball) script(answer) script(page)
+#define BOUNCELAB_SCRIPT(name) BOUNCELAB_ASSET(name, BOUNCELAB_SCRIPTS "/" #name ".js")
+#define BOUNCELAB_TEXT(name)               \
+  std::string_view(bouncelab_asset_##name, \
+                   static_cast<std::size_t>(bouncelab_asset_##name##_end - bouncelab_asset_##name))
+#define BOUNCELAB_TEXT_OF_SCRIPT(name) BOUNCELAB_TEXT(name),
+
+BOUNCELAB_ASSET(template, BOUNCELAB_TEMPLATE)
+BOUNCELAB_ASSET(style, BOUNCELAB_STYLE)
+BOUNCELAB_FOR_EACH_SCRIPT(BOUNCELAB_SCRIPT)
+#ifdef __EMSCRIPTEN__  // a file of the page, which puts it into the report (tools/web/src/api.js)
+static constexpr std::string_view kPlotly = "@PLOTLY@";
+#else
+BOUNCELAB_ASSET(plotly, BOUNCELAB_PLOTLY)
+static const std::string_view kPlotly = BOUNCELAB_TEXT(plotly);
+#endif
 
 namespace bouncelab::report {
 namespace {
@@ -33,31 +72,84 @@ Json parsed(const std::string& text, const char* what) {
 /// texts only.
 std::string embedded(const Json& data) {
   std::string text;
-  for (const char c : data.dump(-1, ' ', false, Json::error_handler_t::replace)) {  // names need not be UTF-8
-    if (c == '<')
-      text += "\\u003c";
-    else
-      text += c;
-  }
+  for (const char c : data.dump(-1, ' ', false, Json::error_handler_t::replace))  // names need not be UTF-8
+    text += c == '<' ? "\\u003c" : std::string(1, c);
   return text;
 }
 
 std::string escaped(const std::string& text) {
   std::string out;
-  for (const char c : text) {
-    if (c == '&')
-      out += "&amp;";
-    else if (c == '<')
-      out += "&lt;";
-    else if (c == '>')
-      out += "&gt;";
-    else
-      out += c;
-  }
+  for (const char c : text) out += c == '&' ? "&amp;" : c == '<' ? "&lt;" : c == '>' ? "&gt;" : std::string(1, c);
   return out;
 }
 
+std::string all_scripts() {
+  std::string script;
+  for (const std::string_view part : {BOUNCELAB_FOR_EACH_SCRIPT(BOUNCELAB_TEXT_OF_SCRIPT)}) script += part;
+  return script;
+}
+
+// What a fit.json says of a ball, as inputs of discrete-element codes: of its numbers alone, so that a text that was
+// written into the file goes nowhere.
+
+std::optional<double> number_if_known(const Json& value) {
+  return value.is_number() ? std::optional(value.get<double>()) : std::nullopt;
+}
+
+/// ε(v) at its points and nodes.
+fit::Curve curve_of(const Json& json) {
+  fit::Curve curve;
+  for (const Json& point : json.at("points"))
+    curve.points.push_back({point.at("v_mps").get<double>(), point.at("eps").get<double>(), {}, {}});
+  for (const Json& node : json.at("nodes")) {
+    fit::Estimate eps;
+    eps.value = node.at("eps").get<double>();
+    eps.se = number_if_known(node.at("se"));
+    curve.nodes.push_back({node.at("v_mps").get<double>(), eps, {}, {}});
+  }
+  return curve;
+}
+
+std::optional<fit::ScatterModel> scatter_of(const Json& json) {
+  if (json.is_null()) return std::nullopt;
+  return fit::ScatterModel{json.at("v_ref_mps").get<double>(), json.at("log_below").get<std::vector<double>>(),
+                           json.at("log_above").get<std::vector<double>>(), json.at("normal_ratio").get<double>()};
+}
+
+RestitutionLaw law_of(const Json& constants) {
+  SeriesLaw series;
+  series.a.assign(kViscoelasticC.size(), 0.0);
+  for (const Json& parameter : constants.at("parameters")) {
+    const std::string name = parameter.get<std::string>();
+    const double value = constants.at(name).at("value").get<double>();
+    if (name == "gamma") return ViscoelasticLaw{value};
+    if (name == "eps") return ConstantLaw{value};
+    series.a.at(std::stoul(name.substr(1))) = value;
+  }
+  return series;
+}
+
 }  // namespace
+
+std::optional<fit::DemExport> dem_of_fit(const std::string& fit_json) {
+  try {
+    const Json fit = Json::parse(fit_json);
+    if (!fit.at("hand_off").is_object() || !fit.at("curve").is_object()) return std::nullopt;
+    std::optional<fit::DemMemory> memory;
+    if (fit.at("constants").at("with_memory").get<bool>()) {
+      memory.emplace().law = law_of(fit.at("constants"));
+      memory->q = fit.at("roughness").at("q").get<double>();
+    }
+    const Json &ball = fit.at("budget").at("ball"), &plate = fit.at("budget").at("plate");
+    return fit::dem_export(
+        curve_of(fit.at("curve")), scatter_of(fit.at("scatter")), fit.at("hand_off").at("v_mps").get<double>(),
+        ball.is_string() ? std::optional(ball_from_text(ball.get<std::string>())) : std::nullopt,
+        plate.is_string() ? std::optional(plate_from_text(plate.get<std::string>())) : std::nullopt, memory);
+  } catch (const std::logic_error&) {  // of a number in a name that is none
+  } catch (const Json::exception&) {
+  }
+  throw InvalidArgument("the fit was changed by hand or by another version: fit the samples again");
+}
 
 std::string samples_json(RestitutionSamples samples, const std::string& fit_json) {
   if (samples.size() > fit::kMostShown) return {};
@@ -86,32 +178,33 @@ std::string render(const ReportInput& input) {
   Json data;
   data["title"] = input.title;
   data["program"] = "bouncelab " + std::string(version()) + ", commit " + std::string(commit());
-  data["summary"] = parsed(input.summary_json, "summary.json");
-  data["fit"] = parsed(input.fit_json, "fit.json");
+  const std::pair<const char*, const std::string*> texts[]{{"summary", &input.summary_json},
+                                                           {"fit", &input.fit_json},
+                                                           {"wave", &input.wave_json},
+                                                           {"paper", &input.paper_json},
+                                                           {"simulation", &input.fit_simulation_json},
+                                                           {"sweep", &input.sweep_json},
+                                                           {"diagnostics", &input.diagnostics_json},
+                                                           {"comparison", &input.comparison_json},
+                                                           {"points", &input.comparison_points_json},
+                                                           {"samples", &input.samples_json},
+                                                           {"validation", &input.validation_json}};
+  for (const auto& [name, text] : texts) data[name] = parsed(*text, name);
   if (const auto dem = data["fit"].is_object() ? dem_of_fit(input.fit_json) : std::nullopt)
     for (const fit::Snippet& snippet : dem->snippets)
       data["dem"].push_back({{"program", snippet.program},
                              {"model", snippet.model},
                              {"parameter", snippet.parameter},
                              {"text", snippet.text}});
-  data["wave"] = parsed(input.wave_json, "wave.json");
-  data["paper"] = parsed(input.paper_json, "paper.json");
-  data["simulation"] = parsed(input.fit_simulation_json, "fit_from_simulation.json");
-  data["sweep"] = parsed(input.sweep_json, "sweep.json");
-  data["diagnostics"] = parsed(input.diagnostics_json, "diagnostics.json");
-  data["comparison"] = parsed(input.comparison_json, "comparison.json");
-  data["points"] = parsed(input.comparison_points_json, "the points of the comparison");
-  data["samples"] = parsed(input.samples_json, "the samples");
-  data["validation"] = parsed(input.validation_json, "validation.json");
 
   const std::array<std::pair<std::string_view, std::string>, 5> parts{{{"@TITLE@", escaped(input.title)},
-                                                                       {"@STYLE@", std::string(asset_style())},
-                                                                       {"@PLOTLY@", std::string(asset_plotly())},
+                                                                       {"@STYLE@", std::string(BOUNCELAB_TEXT(style))},
+                                                                       {"@PLOTLY@", std::string(kPlotly)},
                                                                        {"@DATA@", embedded(data)},
-                                                                       {"@SCRIPT@", asset_script()}}};
+                                                                       {"@SCRIPT@", all_scripts()}}};
   // the template once from left to right: what is put in is never searched again
   std::string html;
-  std::string_view rest = asset_template();
+  std::string_view rest = BOUNCELAB_TEXT(template);
   while (!rest.empty()) {
     std::size_t nearest = rest.size();
     const std::pair<std::string_view, std::string>* part = nullptr;

@@ -7,6 +7,7 @@
 #include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/text.hpp"
+#include "bouncelab/fit/recordings.hpp"
 #include "words.hpp"
 
 namespace bouncelab::report {
@@ -114,18 +115,43 @@ std::string contradicted(const Curve& curve) {
          formatted(" (by %.1f standard deviations). Another ball, or a time that is no impact?", std::abs(pull));
 }
 
-/// The node that most recordings reach; the middle one of equals.
+/// The speed of the node that most recordings reach; the middle one of equals.
 std::optional<double> common_speed(const std::vector<RecordingFit>& rows) {
   std::map<double, std::size_t> n_at;
   for (const RecordingFit& row : rows)
     for (const NodeEstimate& node : row.nodes) ++n_at[node.v_mps];
-  if (n_at.empty()) return {};
   std::size_t most = 0;
   for (const auto& [v_mps, n] : n_at) most = std::max(most, n);
   std::vector<double> best;
   for (const auto& [v_mps, n] : n_at)
     if (n == most) best.push_back(v_mps);
-  return best[best.size() / 2];
+  return best.empty() ? std::nullopt : std::optional(best[best.size() / 2]);
+}
+
+/// "ε at 0.5 m/s runs from 0.91 (a.wav) to 0.93 (b.wav)"; of recordings that no two have a common speed of, offsets.
+std::string extremes(const std::vector<RecordingFit>& rows) {
+  using ValueOf = std::pair<double, const RecordingFit*>;
+  std::vector<ValueOf> values;
+  std::string what = "the difference from the common curve";
+  if (const auto v_mps = common_speed(rows)) {
+    for (const RecordingFit& row : rows)
+      for (const NodeEstimate& node : row.nodes)
+        if (node.v_mps == *v_mps) values.emplace_back(node.eps.value, &row);
+    if (values.size() > 1) what = formatted("ε at %.3g m/s", *v_mps);
+  }
+  if (values.size() < 2) {
+    values.clear();
+    for (const RecordingFit& row : rows)
+      if (row.offset) values.emplace_back(row.offset->value, &row);
+  }
+  if (values.size() < 2) return {};
+  const auto [least, greatest] = std::minmax_element(
+      values.begin(), values.end(), [](const ValueOf& a, const ValueOf& b) { return a.first < b.first; });
+  const auto in_brackets = [](const ValueOf& value) {
+    const std::string& name = value.second->recording;
+    return formatted("%.4f (", value.first) + (name.empty() ? "without name" : printable(name)) + ")";
+  };
+  return what + " runs from " + in_brackets(*least) + " to " + in_brackets(*greatest);
 }
 
 std::vector<ReleaseHeight> heights_of(const FitResult& result) {
@@ -295,6 +321,25 @@ std::string in_words(const RecordingAnswer& recording) {
   const std::string name = file_name(recording.recording) + ": ";
   return recording.at ? name + "ε = " + with_interval(recording.at->eps) + " at " + speed(recording.at->v_mps)
                       : name + recording.missing;
+}
+
+std::optional<Note> note_of_difference(const Recordings& recordings) {
+  if (!disagree(recordings)) return std::nullopt;
+  const RecordingsTest& test = *recordings.test;
+  return Note{
+      NoteKind::recordings_differ, {static_cast<double>(test.n_recordings), test.p_value}, extremes(recordings.rows)};
+}
+
+std::string in_words(const Recordings& recordings) {
+  if (recordings.rows.empty()) return {};
+  if (const auto differ = note_of_difference(recordings)) return in_words(*differ);
+  if (!recordings.test)
+    return formatted("the %zu recordings cannot be compared: each has too few samples", recordings.rows.size());
+  const RecordingsTest& test = *recordings.test;
+  return formatted("the %zu recordings agree (p = %.2g", test.n_recordings, test.p_value) +
+         (test.within == WithinUnit::drops
+              ? " by the differences between drops)"
+              : " if all impacts are independent; too few drops to know whether they are)");
 }
 
 PlainAnswer plain_answer(const FitResult& result, const RestitutionSamples& samples) {

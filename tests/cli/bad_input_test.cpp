@@ -74,7 +74,7 @@ TEST_F(BadInput, Hdf5AndJsonLinesAreLeftToPandas) {
                                 "simulate --drops 1 --impacts 3 --asperities 100 --out on.h5 --force"})
     expect_refused(arguments, 2, {"on.h5", "HDF5", ".csv", "pandas"});
   write("o.jsonl", "{\"t_s\":0.1}\n{\"t_s\":0.2}\n");
-  for (const char* arguments : {"restitution o.jsonl --out s.csv", "o.jsonl", "convert o.jsonl --to n.jsonl --force"})
+  for (const char* arguments : {"restitution o.jsonl --out s.csv", "o.jsonl", "fit o.jsonl --out f.json"})
     expect_refused(arguments, 2, {"o.jsonl", "JSON Lines", ".csv", "pandas.read_json"});
 }
 

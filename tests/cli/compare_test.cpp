@@ -133,8 +133,8 @@ TEST_F(CompareCommand, NamesRowsWithoutARecordingAndRecordingsWithoutARow) {
   write("g.csv", "recording,plate\nglass.wav,window\nwood.wav,table\nlost.wav,table\n");
   const Result result = run("compare ./glass.wav wood.wav other.wav --groups g.csv --out o");
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_THAT(result.err, testing::HasSubstr("1 of the 3 recordings of g.csv has no samples: 'lost.wav'"));
-  EXPECT_THAT(result.err, testing::HasSubstr("1 of the 3 recordings has no row in g.csv: 'other.wav'"));
+  EXPECT_THAT(result.err, testing::HasSubstr("1 of the 3 recordings ('lost.wav') of g.csv has no samples"));
+  EXPECT_THAT(result.err, testing::HasSubstr("1 of the 3 recordings ('other.wav') has no row in g.csv"));
   const auto row = comparison()["differences"]["rows"][0];
   EXPECT_EQ(row["reference"], "table");
   EXPECT_EQ(row["group"], "window");

@@ -115,6 +115,7 @@ TEST_F(ValidateCommand, LosesOneRecordingToADetectorThatFails) {
   EXPECT_THAT(line_of("'sleep 100 {wav}'"), HasSubstr("failed"));
   EXPECT_THAT(line_of("'sh -c \"sleep 100\" {wav}'"), HasSubstr("ended after 1 s"));
   EXPECT_THAT(line_of("'sh -c \"echo no >&2; exit 4\" {wav}'"), HasSubstr("no"));
+  EXPECT_THAT(line_of("'nosuchprogram {wav}'"), HasSubstr("nosuchprogram: not found"));
   EXPECT_THAT(line_of("'echo {wav}'"), HasSubstr("is no time in seconds"));
   EXPECT_THAT(line_of("'sh -c \"echo 0,5\" {wav}'"), HasSubstr("is no time in seconds"));
   EXPECT_THAT(line_of("'sh -c \"echo 1e9\" {wav}'"), HasSubstr("1e+09 s is no time of a recording"));
@@ -181,10 +182,8 @@ TEST_F(ValidateCommand, RefusesWhatCannotWork) {
   write("list.toml", "time_limit = [1, 2]\n");
   write("far.toml", "snr_db = [40, 1000]\n");
   for (const auto& [arguments, word] : std::vector<std::pair<std::string, std::string>>{
-           {"--out o --detector 'nosuchprogram {wav}'", "nosuchprogram"},
-           {"--out o --detector './none {wav}'", "no program that may be run"},
            {"--out o --detector 'sh it'", "{wav}"},
-           {"--out o --detector 'sh \"it {wav}'", "quotation"},
+           {"--out o --shell --detector 'sh {wav}'", "the shell runs all detectors"},
            {"--out o", "--detector"},
            {"--marks truth.csv", "--truth"},
            {"--marks truth.csv --truth truth.csv --drops 3", "--drops has no effect"},

@@ -14,7 +14,6 @@
 #include "bouncelab/fit/between_recordings.hpp"
 #include "bouncelab/loop/loop.hpp"
 #include "bouncelab/report/answer.hpp"
-#include "bouncelab/report/conclusions.hpp"
 #include "bouncelab/report/notes.hpp"
 #include "bouncelab/synthesis/synthesize.hpp"
 #include "support/places.hpp"

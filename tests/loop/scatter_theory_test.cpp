@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "bouncelab/loop/scatter_theory.hpp"
+#include "bouncelab/loop/theory.hpp"
 
 #include <gtest/gtest.h>
 

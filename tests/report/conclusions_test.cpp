@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "bouncelab/report/conclusions.hpp"
+#include "bouncelab/report/answer.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "stage_options/section.hpp"
 
+#include "bouncelab/core/error.hpp"
+
 namespace bouncelab::options {
 
 std::vector<Option> options_of(const std::vector<Section>& sections) {
@@ -14,6 +16,16 @@ std::optional<Option> option_named(const std::vector<Section>& sections, const s
   for (const Option& option : options_of(sections))
     if (!option.member->is_positional && option_name(*option.member) == name) return option;
   return std::nullopt;
+}
+
+void set_option(const std::vector<Section>& sections, const std::string& name, const std::vector<std::string>& texts) {
+  const std::optional<Option> option = option_named(sections, name);
+  if (!option) throw InvalidArgument("--" + name + ": no such option");
+  try {
+    option->member->set(option->object, value_from_texts(*option->member, texts));
+  } catch (const InvalidArgument& error) {
+    throw InvalidArgument("--" + name + ": " + error.what());
+  }
 }
 
 std::string help_of(const Option& option) {

@@ -36,6 +36,8 @@ struct Option {
 std::vector<Option> options_of(const std::vector<Section>& sections);
 /// By the name without dashes in front; absent where there is none, or it is positional.
 std::optional<Option> option_named(const std::vector<Section>& sections, const std::string& name);
+/// Sets the option of this name. @throws InvalidArgument naming it: there is none, or the texts are no value of it
+void set_option(const std::vector<Section>& sections, const std::string& name, const std::vector<std::string>& texts);
 
 /// The text of the member, and what is taken where it is not given.
 std::string help_of(const Option& option);

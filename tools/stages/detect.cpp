@@ -25,7 +25,7 @@
 namespace bouncelab::stages {
 namespace {
 
-constexpr std::size_t kMostLines =
+constexpr std::size_t kMostRecordings =
     20;  // for people: of thousands of recordings those in which nothing was found, and a sum
 
 /// A recording's name for people.
@@ -68,16 +68,16 @@ std::string describe_all(const Recordings& recordings) {
   std::vector<std::string> lines;
   std::size_t n_onsets = 0;
   std::int64_t n_drops = 0;
-  const bool many = recordings.size() > kMostLines;
+  const bool many = recordings.size() > kMostRecordings;
   for (const detection::RecordingDetection& r : recordings) {
     n_onsets += n_likely(r);
     n_drops += r.found.summary.n_drops;
     if (!is_unreadable(r) && !(many && r.found.status == detection::DetectionStatus::ok)) lines.push_back(describe(r));
   }
   std::string text;
-  for (std::size_t k = 0; k < std::min(lines.size(), kMostLines); ++k) text += lines[k] + "\n";
-  if (lines.size() > kMostLines)
-    text += fmt::format("... and {} more; with --json all of them are listed\n", lines.size() - kMostLines);
+  for (std::size_t k = 0; k < std::min(lines.size(), kMostRecordings); ++k) text += lines[k] + "\n";
+  if (lines.size() > kMostRecordings)
+    text += fmt::format("... and {} more; with --json all of them are listed\n", lines.size() - kMostRecordings);
   if (many) text += fmt::format("{} impacts in {} drops in {} recordings\n", n_onsets, n_drops, recordings.size());
   return text;
 }

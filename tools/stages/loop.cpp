@@ -13,7 +13,6 @@
 #include "bouncelab/detection/wave_preview.hpp"
 #include "bouncelab/loop/loop_score.hpp"
 #include "bouncelab/report/answer.hpp"
-#include "bouncelab/report/conclusions.hpp"
 #include "bouncelab/report/notes.hpp"
 #include "stages/files/table_file.hpp"
 #include "stages/loop_results.hpp"
@@ -84,9 +83,36 @@ void write_recording(const loop::LoopResult& loop, const fs::path& folder, const
              {file});
 }
 
+/// The loop that the options describe, but for the files that it reads.
+/// @param through_memory  a recording for each drop, which has one channel
+/// @throws InvalidArgument
+loop::LoopConfig loop_config(const LoopOptions& options, const CommonOptions& common, bool through_memory) {
+  loop::LoopConfig config;
+  config.simulation =
+      simulation_config(with_world(options.scene.simulate, options.scene.world), common.seed, common.n_threads);
+  config.synthesis =
+      synthesis_config(with_world(options.scene.synthesize, options.scene.world), common.seed, common.n_threads);
+  if (through_memory && config.synthesis.channels.size() != 1)
+    throw InvalidArgument("--channel: a loop through memory has one sensor, not " +
+                          std::to_string(config.synthesis.channels.size()) +
+                          "; give one, or use --preset quick without lists");
+  config.n_asperities = options.scene.simulate.n_asperities;
+  config.radius_law = sim::radius_law_from_text(options.scene.simulate.radius_law);
+  config.n_threads = common.n_threads;
+  if (options.keep_sound && is_paper(options)) config.sound_folder = fs::path(options.out) / "sound";
+  return config;
+}
+
+/// What the loop reads is there, and nothing that it writes is, unless --force was given. @throws as check_files
+void check_loop_files(const LoopOptions& options, const std::vector<std::string>& outputs, const Run& run) {
+  std::vector<fs::path> files;
+  for (const std::string& name : outputs) files.push_back(fs::path(options.out) / name);
+  check_files(run, simulation_inputs(options.scene.simulate), files, {fs::path(options.out) / "recording.others.csv"});
+}
+
 loop::LoopConfig config_of_run(const LoopOptions& options, const Run& run) {
   loop::LoopConfig config = loop_config(options, run.common, is_paper(options));
-  config.surface = surface_from_file(options.simulate, config.simulation.ball);
+  config.surface = surface_from_file(options.scene.simulate, config.simulation.ball);
   config.with_smooth_ball = config.with_direct = is_paper(options);
   config.with_memory = is_paper(options) && !options.without_memory;
   if (!is_paper(options)) config.recording = fs::path(options.out) / "recording.wav";
@@ -110,45 +136,64 @@ std::vector<Section> loop_sections(LoopOptions& options) {
       member<&O::keep_sound>("keep_sound", "paper: keep the sound too, DIR/sound/*.flac, 3 MB a drop"),
       member<&O::without_memory>("no_memory",
                                  "paper: without the fits with memory, which take three quarters of the time")};
-  std::vector<Section> sections = scene_sections(options.world, options.simulate, options.synthesize);
+  std::vector<Section> sections = scene_sections(options.scene);
   sections.insert(sections.begin(), {"", own, &options});
   return sections;
 }
 
 void apply_loop_preset(LoopOptions& options, Run& run) {
   if (options.preset != "paper") return;
-  apply_paper_preset(options.simulate, run);
+  apply_paper_preset(options.scene.simulate, run);
   const auto set = [&](const std::string& name, double& value, double to) {
     if (run.given.contains(name)) return;
     value = to;
     set_parameter(run.parameters, name, fmt::format("{:g}", to));
   };
-  set("lead-in", options.synthesize.config.lead_in_s, loop::kPaperLeadIn_s);
-  set("pause", options.synthesize.config.pause_s, loop::kPaperPause_s);
+  set("lead-in", options.scene.synthesize.config.lead_in_s, loop::kPaperLeadIn_s);
+  set("pause", options.scene.synthesize.config.pause_s, loop::kPaperPause_s);
 }
 
-loop::LoopConfig loop_config(const LoopOptions& options, const CommonOptions& common, bool through_memory) {
-  loop::LoopConfig config;
-  config.simulation = simulation_config(with_world(options.simulate, options.world), common.seed, common.n_threads);
-  config.synthesis = synthesis_config(with_world(options.synthesize, options.world), common.seed, common.n_threads);
-  if (through_memory && config.synthesis.channels.size() != 1)
-    throw InvalidArgument("--channel: a loop through memory has one sensor, not " +
-                          std::to_string(config.synthesis.channels.size()) +
-                          "; give one, or use --preset quick without lists");
-  config.n_asperities = options.simulate.n_asperities;
-  config.radius_law = sim::radius_law_from_text(options.simulate.radius_law);
-  config.n_threads = common.n_threads;
-  if (options.keep_sound && is_paper(options)) config.sound_folder = fs::path(options.out) / "sound";
-  return config;
+namespace {
+
+Outcome run_sweep(const LoopOptions& options, const Run& run) {
+  const fs::path folder = options.out;
+  const std::vector<loop::Settings> all = loop::combinations(run.sweep);
+  const auto config_of = [&](const loop::Settings& settings, bool with_files) {
+    LoopOptions changed = options;
+    CommonOptions common = run.common;
+    try {
+      set_scene(changed.scene, common, settings);
+      loop::LoopConfig config = loop_config(changed, common, true);
+      if (with_files) config.surface = surface_from_file(changed.scene.simulate, config.simulation.ball);
+      return config;
+    } catch (const InvalidArgument& error) {
+      throw InvalidArgument("sweep, " + loop::text_of(settings) + ": " + error.what());
+    }
+  };
+  for (const loop::Settings& settings : all) config_of(settings, false);  // errors before the work
+  const OutputFolder output_folder(folder);
+  check_loop_files(options, {"sweep.csv", "sweep.json", "report.html"}, run);
+  const ProgressCallback progress = progress_line(run, "sweep", "points");
+  std::vector<loop::SweepPoint> points;
+  for (const loop::Settings& settings : all) {
+    progress(static_cast<double>(points.size()), static_cast<double>(all.size()));
+    const loop::LoopConfig config = config_of(settings, true);
+    points.push_back(loop::sweep_point(settings, loop::run_loop(config, interrupts_only), config.node_speeds_mps));
+  }
+  const std::vector<fs::path> inputs = files_named_by_options(run);
+  write_table(run, folder / "sweep.csv", to_table(points), inputs);
+  Object lists;
+  for (const loop::SweepAxis& axis : run.sweep) lists.emplace_back(axis.option, axis.values);
+  const Object sweep{{"lists", lists}, {"points", value_of(points)}};
+  write_text(run, folder / "sweep.json", json_text(sweep, 1) + "\n", inputs);
+  const Outcome shown = run_report({folder, folder / "report.html", "Sweep: results for each combination"}, run);
+  return {kDone, sweep, sweep_text(points) + shown.text, {}, ""};
 }
 
-void check_loop_files(const LoopOptions& options, const std::vector<std::string>& outputs, const Run& run) {
-  std::vector<fs::path> files;
-  for (const std::string& name : outputs) files.push_back(fs::path(options.out) / name);
-  check_files(run, simulation_inputs(options.simulate), files, {fs::path(options.out) / "recording.others.csv"});
-}
+}  // namespace
 
 Outcome run_loop(const LoopOptions& options, const Run& run) {
+  if (!run.sweep.empty()) return run_sweep(options, run);
   const fs::path folder = options.out;
   loop_config(options, run.common, is_paper(options));  // what is wrong with it is said before there is a folder
   const OutputFolder output_folder(folder);
@@ -191,7 +236,7 @@ Outcome run_loop(const LoopOptions& options, const Run& run) {
   outcome.result = loop_summary(score, result, words.notes, work);
   write_summary(outcome.result);
   outcome.notes = words.notes;
-  outcome.text = ball_line(options.world) + loop_text(score, result);
+  outcome.text = ball_line(options.scene.world) + loop_text(score, result);
   if (is_paper(options))
     outcome.text += paper_text(slopes, conclusions) + work_text(work, clock.processor_s(), score.onsets.n_true);
   outcome.text += shown.text;

@@ -13,22 +13,13 @@ namespace bouncelab::stages {
 struct LoopOptions {
   std::string preset = "quick";
   std::string out;
-  BallChoice world = kPaperBall;  ///< of both stages, in place of their own
-  SimulateOptions simulate;
-  SynthesizeOptions synthesize;
+  Scene scene;
   bool keep_sound = false;      ///< of the paper's run
   bool without_memory = false;  ///< of the paper's run: without the fits with memory
 };
 
-/// The loop that the options describe, but for the files that it reads.
-/// @param through_memory  a recording for each drop, which has one channel
-/// @throws InvalidArgument
-loop::LoopConfig loop_config(const LoopOptions& options, const CommonOptions& common, bool through_memory);
-
-/// What the loop reads is there, and nothing that it writes is, unless --force was given. @throws as check_files
-void check_loop_files(const LoopOptions& options, const std::vector<std::string>& outputs, const Run& run);
-
-/// Runs the loop and writes what it returned.
+/// Runs the loop and writes what it returned; of lists in the configuration file the loop of every combination, through
+/// memory, into sweep.csv, sweep.json and report.html. @throws InvalidArgument saying which combination is wrong
 Outcome run_loop(const LoopOptions& options, const Run& run);
 
 /// With the folder and the ball.

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "bouncelab/loop/loop.hpp"
-#include "bouncelab/report/conclusions.hpp"
+#include "bouncelab/report/answer.hpp"
 #include "bouncelab/sim/surface.hpp"
 
 namespace bouncelab::stages {

@@ -16,7 +16,6 @@
 #include "bouncelab/core/samples.hpp"
 #include "bouncelab/core/text.hpp"
 #include "bouncelab/report/page.hpp"
-#include "stages/files/fit_file.hpp"
 #include "stages/files/provenance.hpp"
 #include "stages/files/scratch_folder.hpp"
 #include "stages/files/table_file.hpp"
@@ -217,6 +216,18 @@ Outcome run_report(const ReportOptions& options, const Run& run) {
   outcome.result.emplace_back("report", out.string());
   outcome.text += "Report: " + name + "\n";
   return outcome;
+}
+
+bool is_fit(const std::string& content) {
+  const auto json = nlohmann::json::parse(content, nullptr, false);
+  return json.is_object() && (json.contains("law") || json.contains("hand_off"));
+}
+
+void refuse_older_fit(const std::string& content, const std::string& path) {
+  if (is_fit(content) && !nlohmann::json::parse(content).contains("scatter"))
+    throw FileError(path,
+                    "was written by bouncelab 0.2 or before, whose ε was another; make it anew: bouncelab fit "
+                    "samples.csv --out fit.json");
 }
 
 }  // namespace bouncelab::stages

@@ -46,6 +46,12 @@ std::optional<sim::Surface> surface_from_file(const SimulateOptions& options, co
                                  input_name(options.surface_file), ball);
 }
 
+sim::Surface surface_of(const SimulateOptions& options, const sim::SimulationConfig& config, const Run& run) {
+  if (std::optional<sim::Surface> given = surface_from_file(options, config.ball)) return *std::move(given);
+  return sim::make_surface(config.ball, options.n_asperities, sim::radius_law_from_text(options.radius_law),
+                           config.seed, progress_line(run, "surface", "asperities"));
+}
+
 Object summary_of(const sim::SimulationResult& result, const Ball& ball) {
   Object summary = object_of(result);
   summary.emplace_back("ball", value_of(ball));
@@ -72,11 +78,7 @@ Outcome run_simulate(const SimulateOptions& options, const Run& run) {
     counts.add(k, drop);
     table.add(k, to_table(drop.impacts));
   };
-  const std::optional<sim::Surface> given = surface_from_file(options, config.ball);
-  const sim::Surface surface =
-      given ? *given
-            : sim::make_surface(config.ball, options.n_asperities, sim::radius_law_from_text(options.radius_law),
-                                config.seed, progress_line(run, "surface", "asperities"));
+  const sim::Surface surface = surface_of(options, config, run);
   sim::simulate_each(config, surface, take, progress_line(run, "simulate", "drops"));
   if (!options.write_surface.empty())
     write_table(run, options.write_surface, to_table(surface), simulation_inputs(options));

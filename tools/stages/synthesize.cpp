@@ -255,12 +255,23 @@ synthesis::SynthesisResult each_drop(const SynthesizeOptions& options, const syn
 
 }  // namespace
 
-std::vector<Section> scene_sections(BallChoice& world, SimulateOptions& simulate, SynthesizeOptions& synthesize) {
-  Section disturbances = disturbances_section(synthesize);
-  disturbances.stages = {"synthesize"};
-  return {ball_section(world, "", {"simulate", "synthesize"}),
-          section_of(simulate, "Ball, ground and drops", {"simulate"}), section_of(synthesize, "Sound", {"synthesize"}),
-          disturbances};
+std::vector<Section> scene_sections(Scene& scene, bool with_codec) {
+  const std::vector<std::string> stages{"synthesize"};
+  std::vector<Section> sections{ball_section(scene.world, "", {"simulate", "synthesize"}),
+                                section_of(scene.simulate, "Ball, ground and drops", {"simulate"}),
+                                section_of(scene.synthesize, "Sound", stages), disturbances_section(scene.synthesize)};
+  sections.back().stages = stages;
+  if (with_codec) sections.push_back(codec_section(scene.synthesize, stages));
+  return sections;
+}
+
+void set_scene(Scene& scene, CommonOptions& common, const loop::Settings& settings) {
+  const std::vector<Section> sections = scene_sections(scene, true);
+  for (const auto& [name, value] : settings) {
+    if (name != "seed" && !option_named(sections, name))
+      throw InvalidArgument("--" + name + ": has one value in a run, not a list");
+    set_option(name == "seed" ? std::vector{common_section(common)} : sections, name, {value});
+  }
 }
 
 Section codec_section(SynthesizeOptions& options, std::vector<std::string> stages) {

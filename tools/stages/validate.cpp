@@ -21,7 +21,6 @@
 #include "stages/progress_line.hpp"
 #include "stages/simulate.hpp"
 #include "stages/validate/cases.hpp"
-#include "stages/validate/detectors.hpp"
 
 namespace bouncelab::stages {
 namespace {
@@ -173,14 +172,14 @@ Object object_of_result(const std::vector<Case>& cases, const std::vector<loop::
 /// The sound of the three recordings in which a detector finds least, with its marks, for the page.
 Values worst_of(const std::vector<Case>& cases, const std::vector<loop::TrueTimes>& truths,
                 const DetectorResult& result) {
-  constexpr std::size_t kShown = 3;
+  constexpr std::size_t kWorst = 3;
   std::vector<std::pair<double, std::size_t>> order;
   for (std::size_t k = 0; k < cases.size(); ++k)
     if (const std::optional<double> f = result.marks[k].score.agreement[1].f_measure();
         f && *f < 1.0 && result.marks[k].failure.empty())
       order.emplace_back(*f, k);
   std::stable_sort(order.begin(), order.end());
-  order.resize(std::min(order.size(), kShown));
+  order.resize(std::min(order.size(), kWorst));
   Values worst;
   for (const auto& [f, k] : order) {
     detection::WavePreview wave = detection::wave_preview(cases[k].sound, 0, {});
@@ -236,8 +235,8 @@ void check_usage(const ValidateOptions& options, const Run& run) {
     throw InvalidArgument(
         "--annotated-only belongs to --recordings or --marks; what is synthesized has all true times");
   if (!has_marks && !has_recordings) return;
-  ValidateOptions copy = options;
-  const std::vector<Section> sections = scene_sections(copy);
+  Scene scene = options.scene;
+  const std::vector<Section> sections = scene_sections(scene, true);
   for (const auto& [name, texts] : run.given)
     if (option_named(sections, name)) refuse_with(name, has_marks ? "marks" : "recordings");
   if (!run.sweep.empty()) refuse_with(run.sweep.front().option, has_marks ? "marks" : "recordings");
@@ -250,8 +249,9 @@ std::vector<Section> validate_sections(ValidateOptions& options) {
   static constexpr Member own[]{
       member<&O::detectors>(
           "detector",
-          "Command that prints the times of onsets [s], one a line (a second number on the line: its standard "
-          "error); {wav} stands for the recording, {out} for a file that it writes instead. builtin is bouncelab's"),
+          "Command of the shell that prints the times of onsets [s], one a line (a second number on the line: its "
+          "standard error); {wav} stands for the recording, {out} for a file that it writes instead. builtin is "
+          "bouncelab's"),
       member<&O::out>("out", "Folder for scores.csv, validation.json, report.html, and the recordings")
           .writes("FOLDER"),
       member<&O::recordings>("recordings",
@@ -262,20 +262,13 @@ std::vector<Section> validate_sections(ValidateOptions& options) {
           .looks_like("FILE"),
       member<&O::marks>("marks", "Times that exist already, to be scored against --truth").looks_like("FILE"),
       member<&O::time_limit_s>("time_limit", "For a detector on one recording [s]").within(0.1, 86400.0),
-      member<&O::shell>("shell", "Commands are run by sh"),
       member<&O::offset_only>(
           "offset_only",
           "Errors less their offset alone: not less a + b v^(-1/5), where in the contact an onset is marked"),
       member<&O::annotated_only>("annotated_only",
                                  "Marks more than 5 ms before the first or after the last true time are not counted")};
-  std::vector<Section> sections = scene_sections(options);
+  std::vector<Section> sections = scene_sections(options.scene, true);
   sections.insert(sections.begin(), {"", own, &options});
-  return sections;
-}
-
-std::vector<Section> scene_sections(ValidateOptions& options) {
-  std::vector<Section> sections = scene_sections(options.world, options.simulate, options.synthesize);
-  sections.push_back(codec_section(options.synthesize, {"synthesize"}));
   return sections;
 }
 
@@ -284,9 +277,10 @@ Outcome run_validate(const ValidateOptions& options, const Run& run) {
   if (!options.marks.empty()) return run_marks(options);
   if (options.out.empty()) throw InvalidArgument("--out: name a folder for the results");
   if (options.detectors.empty()) throw InvalidArgument("--detector: name at least one, builtin for instance");
-  std::vector<Detector> detectors;
-  for (const std::string& text : options.detectors) detectors.push_back(detector_of(text, options.shell));
-
+  for (const std::string& detector : options.detectors)
+    if (detector != "builtin" && detector.find("{wav}") == std::string::npos)
+      throw InvalidArgument("--detector " + printable(detector) + ": where in it is the recording? Write {wav} there");
+  const std::vector<std::string>& detectors = options.detectors;
   const fs::path folder = options.out, sounds = folder / "recordings", marks_folder = folder / "marks";
   const bool is_synthesized = options.recordings.empty();
   const std::vector<Case> cases = is_synthesized ? cases_of(options, run, sounds) : given_cases(options);
@@ -323,7 +317,7 @@ Outcome run_validate(const ValidateOptions& options, const Run& run) {
   }
 
   std::vector<DetectorResult> results;
-  for (const Detector& detector : detectors) results.push_back({detector.name, std::vector<Marks>(cases.size())});
+  for (const std::string& detector : detectors) results.push_back({detector, std::vector<Marks>(cases.size())});
   const ProgressCallback progress = progress_line(run, "validate", "recordings");
   const std::size_t n = cases.size() * detectors.size();
   std::size_t n_done = 0;

@@ -4,10 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "bouncelab/core/onsets.hpp"
-#include "bouncelab/loop/detector_score.hpp"
-#include "stage_options/options.hpp"
 #include "stages/run.hpp"
+#include "stages/simulate.hpp"
 
 namespace bouncelab::stages {
 
@@ -18,16 +16,11 @@ struct ValidateOptions {
   std::string marks;                    ///< times that exist already
   std::string out;
   double time_limit_s = 60.0;  ///< for one recording
-  bool shell = false;
   bool offset_only = false;
   bool annotated_only = false;  ///< marks before the first and after the last true time do not count
-  BallChoice world = kPaperBall;
-  SimulateOptions simulate;
-  SynthesizeOptions synthesize;
+  Scene scene;                  ///< what is synthesized
 };
 std::vector<Section> validate_sections(ValidateOptions& options);
-/// What is synthesized: ball, drops, sound, disturbances.
-std::vector<Section> scene_sections(ValidateOptions& options);
 
 /// Scores detectors against true times: those of synthesized recordings, one for each value of each list of the
 /// configuration file beside the first, or of recordings that there are; or marks against truth, file against file.

@@ -292,10 +292,22 @@ Detection detect(const std::filesystem::path& recording, const DetectionConfig& 
 }
 
 Detection detect(std::span<const float> samples, double rate_hz, const std::string& name, const DetectionConfig& config,
-                 const ProgressCallback& progress) {
+                 const ProgressCallback& progress, int n_channels) {
   if (!(rate_hz >= kMinRate_hz && rate_hz <= kMaxRate_hz))
     throw InvalidArgument("sampling rate " + std::to_string(rate_hz) + " Hz: must be 4 kHz to 4 MHz");
-  Detection d = detect_in({audio::source_in_memory(samples, rate_hz)}, {0}, name, config, 1, progress);
+  const auto n = static_cast<std::size_t>(n_channels);
+  if (n_channels < 1 || samples.size() % n != 0)
+    throw InvalidArgument(std::to_string(samples.size()) + " samples are none of " + std::to_string(n_channels) +
+                          " channels");
+  std::vector<audio::AudioSource> channels;
+  std::vector<int> with_sound;
+  for (std::size_t c = 0; c < n; ++c) {
+    channels.push_back(audio::source_in_memory(samples, rate_hz, n_channels, static_cast<int>(c)));
+    std::size_t k = c;
+    while (k < samples.size() && samples[k] == samples[c]) k += n;
+    if (n == 1 || k < samples.size()) with_sound.push_back(static_cast<int>(c));
+  }
+  Detection d = detect_in(channels, std::move(with_sound), name, config, 1, progress);
   describe_format({}, config.lossy_coding, d);
   return d;
 }

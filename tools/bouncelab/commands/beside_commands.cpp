@@ -15,7 +15,7 @@
 #include "commands/commands.hpp"
 #include "options/commands.hpp"
 #include "stages/ball_of_files.hpp"
-#include "stages/files/fit_file.hpp"
+#include "stages/report.hpp"
 
 namespace bouncelab::cli {
 namespace {
@@ -189,12 +189,6 @@ end
 complete -c bouncelab -a '(__bouncelab_words)'
 )sh";
 
-std::string lines_of(const std::vector<std::string>& words) {
-  std::string lines;
-  for (const std::string& word : words) lines += (lines.empty() ? "" : "\n") + word;
-  return lines;
-}
-
 std::string first_line(const std::string& text) { return text.substr(0, text.find('\n')); }
 
 /// What can follow the words typed, of which the last is to be completed.
@@ -226,7 +220,7 @@ Outcome run_completion(const CompletionOptions& options) {
   outcome.text = options.shell == "bash"   ? kBash
                  : options.shell == "zsh"  ? kZsh
                  : options.shell == "fish" ? kFish
-                                           : offered(options.typed) + "\n";
+                                           : offered(options.typed);
   return outcome;
 }
 

@@ -91,7 +91,7 @@ Command loop_command() {
       loop_sections(*options),
       [options](Run& run) {
         apply_loop_preset(*options, run);
-        return run.sweep.empty() ? run_loop(*options, run) : run_sweep(*options, run);
+        return run_loop(*options, run);
       },
       {"simulate", "synthesize", "detect", "restitution", "fit", "report"},
       true};

@@ -11,10 +11,6 @@
 #include "bouncelab/core/description.hpp"
 #include "stages/run.hpp"
 
-namespace bouncelab::stages {
-struct LoopOptions;
-}
-
 namespace bouncelab::cli {
 
 using namespace stages;
@@ -28,11 +24,6 @@ struct Command {
   /// Tables that it writes, by heading, for --help: the columns with what they are.
   std::vector<std::pair<std::string, std::vector<Member>>> tables{};
 };
-
-/// Runs the closed loop, through memory, for every combination of the values in run.sweep, and tabulates the results:
-/// sweep.csv, sweep.json, report.html in the folder.
-/// @throws InvalidArgument saying which combination is wrong
-Outcome run_sweep(const LoopOptions& options, const Run& run);
 
 struct CommandName {
   std::string name;

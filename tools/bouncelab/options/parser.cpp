@@ -146,8 +146,10 @@ class Parser {
       if (argument.rfind("--", 0) != 0) continue;
       const std::string name = argument.substr(0, argument.find('='));
       if (std::find(names.begin(), names.end(), name) != names.end()) continue;
-      if (name == "--robot")
-        return "'--robot' is no option any more; --knocks, --clicks and --speech sound between the drops";
+      for (const auto& [gone, instead] :
+           {std::pair{"--robot", "--knocks, --clicks and --speech sound between the drops"},
+            {"--shell", "the shell runs all detectors"}})
+        if (name == gone) return "'" + name + "' is no option any more; " + instead;
       const std::string nearest = nearest_name(name, names);
       return "unknown option '" + name + "'" + (nearest.empty() ? "" : "; did you mean '" + nearest + "'?");
     }

@@ -37,9 +37,7 @@ Sections sections_of(stages::RoughnessOptions& options) {
 }
 Sections sections_of(stages::LoopOptions& options) { return stages::loop_sections(options); }
 /// Those of the scene alone: detectors are functions, and no file is written.
-Sections sections_of(stages::ValidateOptions& options) {
-  return stages::scene_sections(options.world, options.simulate, options.synthesize);
-}
+Sections sections_of(stages::ValidateOptions& options) { return stages::scene_sections(options.scene); }
 
 /// Sets each option to the texts that it was given. @return these
 stages::Given set_options(const Sections& sections, const Arguments& arguments) {
@@ -53,14 +51,7 @@ stages::Given set_options(const Sections& sections, const Arguments& arguments) 
       throw InvalidArgument("--" + name + (has_value ? ": True or False" : ": needs a value"));
     given[name].push_back(has_value ? argument.substr(name.size() + 3) : "true");
   }
-  for (const auto& [name, texts] : given) {
-    const stages::Option option = *stages::option_named(sections, name);
-    try {
-      option.member->set(option.object, value_from_texts(*option.member, texts));
-    } catch (const InvalidArgument& error) {
-      throw InvalidArgument("--" + name + ": " + error.what());
-    }
-  }
+  for (const auto& [name, texts] : given) stages::set_option(sections, name, texts);
   return given;
 }
 

@@ -19,7 +19,6 @@
 #include "bouncelab/synthesis/synthesize.hpp"
 #include "stages/files/foreign_files.hpp"
 #include "stages/files/sample_files.hpp"
-#include "stages/files/scratch_folder.hpp"
 #include "stages/files/table_file.hpp"
 #include "stages/progress_line.hpp"
 #include "work.hpp"
@@ -73,35 +72,6 @@ py::dict detected(std::vector<detection::Detection>& found, const std::vector<st
   return result;
 }
 
-/// As detection says it of one channel.
-void require_finite(const SoundArray& sound) {
-  const auto samples = sound.samples();
-  const auto bad = std::find_if_not(samples.begin(), samples.end(), [](float x) { return std::isfinite(x); });
-  if (bad == samples.end()) return;
-  const auto index = bad - samples.begin();
-  throw InvalidArgument("sample " + std::to_string(index / sound.n_channels()) + " of channel " +
-                        std::to_string(index % sound.n_channels()) + " is not a finite number; remove or repair it");
-}
-
-/// Samples of several channels, as a recording in a file that vanishes.
-class TemporaryRecording {
- public:
-  TemporaryRecording(const SoundArray& sound, double rate_hz) {
-    if (rate_hz != static_cast<int>(rate_hz))
-      throw InvalidArgument("rate " + short_number(rate_hz) + ": several channels need a rate that is an integer");
-    const auto samples = sound.samples();
-    const auto n_channels = static_cast<std::size_t>(sound.n_channels());
-    audio::AudioWriter writer(path(), {static_cast<int>(rate_hz), sound.n_channels(), audio::SampleEncoding::float32},
-                              static_cast<std::int64_t>(samples.size() / n_channels), false);
-    writer.write(samples);  // as they are, also those beyond full scale
-    writer.commit();
-  }
-  fs::path path() const { return folder_.path() / "sound.wav"; }
-
- private:
-  stages::ScratchFolder folder_;
-};
-
 audio::SampleEncoding encoding_named(const std::string& bits) {
   static const std::map<std::string, audio::SampleEncoding> encodings{{"16", audio::SampleEncoding::pcm16},
                                                                       {"24", audio::SampleEncoding::pcm24},
@@ -128,9 +98,8 @@ py::dict simulate(const Arguments& arguments, const py::object& progress) {
   sim::SimulationResult simulated;
   Table table;
   python::run(run, progress, [&, &options = options, &run = run] {
-    const sim::Surface surface =
-        stages::surface_of(options, config, stages::progress_line(run, "surface", "asperities"));
-    simulated = sim::simulate(config, surface, stages::progress_line(run, "simulate", "drops"));
+    simulated = sim::simulate(config, stages::surface_of(options, config, run),
+                              stages::progress_line(run, "simulate", "drops"));
     table = to_table(simulated.impacts);
   });
   if (simulated.impacts.rows.empty())
@@ -205,14 +174,7 @@ py::dict detect_samples(const py::array& array, double rate_hz, const std::strin
   std::vector<detection::Detection> found;
   python::run(run, progress, [&, &run = run] {
     const ProgressCallback done = stages::progress_line(run, "detect", "s of sound");
-    if (sound.n_channels() == 1) {
-      found.push_back(detection::detect(sound.samples(), rate_hz, recording, config, done));
-      return;
-    }
-    require_finite(sound);
-    const TemporaryRecording file(sound, rate_hz);
-    found.push_back(detection::detect(file.path(), config, done));
-    for (Onset& onset : found.back().onsets) onset.recording = recording;
+    found.push_back(detection::detect(sound.samples(), rate_hz, recording, config, done, sound.n_channels()));
   });
   return detected(found, {recording}, {});
 }
@@ -251,13 +213,8 @@ std::string wave_of_samples(const py::array& array, double rate_hz, const std::s
   if (channel < 0 || channel >= sound.n_channels())
     throw InvalidArgument("channel " + std::to_string(channel) + ": the sound has " +
                           std::to_string(sound.n_channels()));
-  std::vector<float> one;
-  const auto samples = sound.samples();
-  for (auto k = static_cast<std::size_t>(channel); k < samples.size();
-       k += static_cast<std::size_t>(sound.n_channels()))
-    one.push_back(samples[k]);
-  return json_text(
-      value_of(detection::wave_preview(audio::source_in_memory(one, rate_hz), recording, channel, onsets_of(onsets))));
+  const audio::AudioSource source = audio::source_in_memory(sound.samples(), rate_hz, sound.n_channels(), channel);
+  return json_text(value_of(detection::wave_preview(source, recording, channel, onsets_of(onsets))));
 }
 
 void write_sound(const std::string& path, const py::array& array, int rate_hz, const std::string& bits, bool force) {
@@ -304,7 +261,7 @@ py::tuple read_columns(const std::string& path, const std::string& kind, const s
         kind == "onsets"
             ? to_table(stages::read_onsets(path, how, taken_for))
             : to_table(samples_from_table(
-                  stages::open_samples(path, how.table, taken_for)->next(std::numeric_limits<std::size_t>::max()),
+                  stages::open_samples(path, how.table, taken_for).next(std::numeric_limits<std::size_t>::max()),
                   path));
     return py::make_tuple(columns_of(std::move(table)), taken_for);
   } catch (const AmbiguousTable& table) {

@@ -17,34 +17,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What makes a recording.
-struct Scene {
-  ValidateOptions options;
-  CommonOptions common;
-};
-
-/// What may differ from recording to recording: ball, drops, sound and the seed; absent of all else.
-std::optional<Option> option_of(Scene& scene, const std::vector<Section>& sections, const std::string& name) {
-  if (name == "seed") return option_named({common_section(scene.common)}, name);
-  return option_named(sections, name);
-}
-
-/// The scene with other values. @throws InvalidArgument naming the setting
-Scene with_settings(const Scene& scene, const loop::Settings& settings) {
-  Scene changed = scene;
-  const std::vector<Section> sections = scene_sections(changed.options);
-  for (const auto& [name, value] : settings) {
-    const std::optional<Option> option = option_of(changed, sections, name);
-    if (!option) throw InvalidArgument("--" + name + ": has one value in all recordings, not a list");
-    try {
-      option->member->set(option->object, value_from_texts(*option->member, {value}));
-    } catch (const InvalidArgument& error) {
-      throw InvalidArgument("--" + name + ": " + error.what());
-    }
-  }
-  return changed;
-}
-
 /// "snr-db_0", and "all_else" for the one that is like the first value of each list.
 std::string name_of(const loop::Settings& settings) {
   std::string name = settings.empty() ? "all_else" : "";
@@ -62,23 +34,30 @@ loop::Settings first_values(const std::vector<loop::SweepAxis>& lists) {
   return settings;
 }
 
-/// Is it an option of the simulation, the ball, or the seed?
-bool changes_impacts(const ValidateOptions& options, const loop::Settings& settings) {
-  ValidateOptions copy = options;
-  const std::vector<Section> sections = scene_sections(copy);
+/// Does it change the impacts? Options of the simulation, the ball, and the seed do.
+bool changes_impacts(const loop::Settings& settings) {
+  Scene scene;
+  const std::vector<Section> sections = scene_sections(scene, true);
   return std::any_of(settings.begin(), settings.end(), [&](const auto& setting) {
-    if (setting.first == "seed") return true;
-    const std::vector<std::string>& stages = option_named(sections, setting.first)->section->stages;
-    return std::find(stages.begin(), stages.end(), "simulate") != stages.end();
+    const std::optional<Option> option = option_named(sections, setting.first);
+    return !option || std::ranges::count(option->section->stages, "simulate") > 0;
   });
 }
 
-std::vector<fs::path> files_in(const fs::path& folder) {
-  std::vector<fs::path> files;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder))
-    if (entry.is_regular_file() && !entry.path().filename().string().starts_with('.')) files.push_back(entry.path());
-  std::sort(files.begin(), files.end());
-  return files;
+/// The options and the seed that make a recording.
+struct Changed {
+  SimulateOptions simulate;
+  SynthesizeOptions synthesize;
+  CommonOptions common;
+};
+
+Changed with_settings(const ValidateOptions& options, const Run& run, const loop::Settings& first,
+                      const loop::Settings& settings) {
+  Scene scene = options.scene;
+  CommonOptions common = run.common;
+  set_scene(scene, common, first);
+  set_scene(scene, common, settings);
+  return {with_world(scene.simulate, scene.world), with_world(scene.synthesize, scene.world), common};
 }
 
 /// The files of a folder that are sound, by their names.
@@ -91,12 +70,16 @@ std::vector<fs::path> sounds_of(const std::vector<std::string>& recordings) {
       sounds.push_back(path);
       continue;
     }
-    for (const fs::path& file : files_in(path)) {
+    const auto first = static_cast<std::ptrdiff_t>(sounds.size());
+    for (const fs::directory_entry& entry : fs::directory_iterator(path)) {
+      const fs::path& file = entry.path();
+      if (!entry.is_regular_file() || file.filename().string().starts_with('.')) continue;
       std::string ending = file.extension().string();
       std::transform(ending.begin(), ending.end(), ending.begin(),
                      [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
       if (std::find(kEndings.begin(), kEndings.end(), ending) != kEndings.end()) sounds.push_back(file);
     }
+    std::sort(sounds.begin() + first, sounds.end());
   }
   if (sounds.empty()) throw InvalidArgument("--recordings: there is no recording in " + printable(recordings.front()));
   return sounds;
@@ -133,11 +116,9 @@ std::vector<Case> cases_of(const ValidateOptions& options, const Run& run, const
     const std::string name = name_of(settings);
     cases.push_back({name, folder / (name + ".wav"), folder / (name + ".truth.csv"), settings});
     try {  // what is wrong with any is said before the work
-      const Scene changed = with_settings(with_settings({options, run.common}, first), settings);
-      simulation_config(with_world(changed.options.simulate, changed.options.world), changed.common.seed,
-                        run.common.n_threads);
-      synthesis_config(with_world(changed.options.synthesize, changed.options.world), changed.common.seed,
-                       run.common.n_threads);
+      const Changed changed = with_settings(options, run, first, settings);
+      simulation_config(changed.simulate, changed.common.seed, run.common.n_threads);
+      synthesis_config(changed.synthesize, changed.common.seed, run.common.n_threads);
     } catch (const InvalidArgument& error) {
       throw InvalidArgument("recording " + name + ": " + error.what());
     }
@@ -148,29 +129,22 @@ std::vector<Case> cases_of(const ValidateOptions& options, const Run& run, const
 void make_sound(const ValidateOptions& options, const std::vector<Case>& cases, const fs::path& folder,
                 const Run& run) {
   const loop::Settings first_settings = first_values(run.sweep);
-  const Scene first = with_settings({options, run.common}, first_settings);
   const ProgressCallback progress = progress_line(run, "synthesize", "recordings");
   for (std::size_t k = 0; k < cases.size(); ++k) {
     progress(static_cast<double>(k), static_cast<double>(cases.size()));
     const Case& c = cases[k];
-    const Scene changed = with_settings(first, c.settings);
+    Changed changed = with_settings(options, run, first_settings, c.settings);
     Run quiet = run;
     quiet.common = changed.common;
     quiet.common.quiet = true;
     for (const loop::Settings& settings : {first_settings, c.settings})
       for (const auto& [name, value] : settings) set_parameter(quiet.parameters, name, value);
-    const bool is_own = k == 0 || changes_impacts(options, c.settings);
-    const fs::path impacts = folder / ((is_own ? c : cases.front()).name + ".impacts.csv");
-    if (is_own) {
-      SimulateOptions simulate = with_world(changed.options.simulate, changed.options.world);
-      simulate.out = impacts;
-      run_simulate(simulate, quiet);
-    }
-    SynthesizeOptions synthesize = with_world(changed.options.synthesize, changed.options.world);
-    synthesize.impacts = impacts;
-    synthesize.out = c.sound;
-    synthesize.truth = c.truth;
-    run_synthesize(synthesize, quiet);
+    const bool is_own = k == 0 || changes_impacts(c.settings);
+    changed.simulate.out = changed.synthesize.impacts = folder / ((is_own ? c : cases.front()).name + ".impacts.csv");
+    if (is_own) run_simulate(changed.simulate, quiet);
+    changed.synthesize.out = c.sound;
+    changed.synthesize.truth = c.truth;
+    run_synthesize(changed.synthesize, quiet);
   }
 }
 

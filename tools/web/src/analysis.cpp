@@ -92,37 +92,39 @@ detection::RecordingDetection marked(Onsets onsets, const Sound& sound, const st
   return {recording, found.onsets.size(), std::move(found)};
 }
 
-}  // namespace
-
-std::vector<detection::RecordingDetection> detect(const Sound& sound, const std::string& options_json) {
-  const WorkingFolder folder;
+std::vector<detection::RecordingDetection> detected(const Sound& sound, const loop::AnalyzeConfig& config) {
   const std::string recording = file_name(sound.name);
-  write_sound(recording, sound);
-  detection::Detection found = detection::detect(recording, detection_config(config_of(options_json)));
+  detection::Detection found =
+      detection::detect(sound.samples, sound.rate_hz, recording, detection_config(config), {}, sound.n_channels);
   const std::size_t n_onsets = found.onsets.size();
   return {{recording, n_onsets, std::move(found)}};
 }
 
-Analysis analyze(const Sound& sound, const std::string& options_json) {
-  const WorkingFolder folder;
-  const loop::AnalyzeConfig config = config_of(options_json);
-  const std::string recording = file_name(sound.name);
-  write_sound(recording, sound);
+Analysis analyzed(std::vector<detection::RecordingDetection> recordings, const Sound& sound,
+                  const loop::AnalyzeConfig& config) {
+  const auto sound_of = [&](const detection::RecordingDetection& r) {
+    return audio::source_in_memory(sound.samples, sound.rate_hz, sound.n_channels, r.found.summary.channel);
+  };
   loop::Analysis found;
-  with_threads(1, [&] { found = loop::analyze({recording}, config); });
-  return completed(std::move(found), config, recording);
+  with_threads(1, [&] { found = loop::analyze_found(std::move(recordings), config, sound_of); });
+  return completed(std::move(found), config, file_name(sound.name));
+}
+
+}  // namespace
+
+std::vector<detection::RecordingDetection> detect(const Sound& sound, const std::string& options_json) {
+  return detected(sound, config_of(options_json));
+}
+
+Analysis analyze(const Sound& sound, const std::string& options_json) {
+  const loop::AnalyzeConfig config = config_of(options_json);
+  return analyzed(detected(sound, config), sound, config);
 }
 
 Analysis analyze_onsets(Onsets onsets, const Sound& sound, const std::string& options_json) {
   if (onsets.empty()) throw InvalidArgument("no impact is marked; mark at least three");
-  const WorkingFolder folder;
   const loop::AnalyzeConfig config = config_of(options_json);
-  const std::string recording = file_name(sound.name);
-  write_sound(recording, sound);
-  loop::Analysis found;
-  with_threads(
-      1, [&] { found = loop::analyze_found({marked(std::move(onsets), sound, recording, config.detection)}, config); });
-  return completed(std::move(found), config, recording);
+  return analyzed({marked(std::move(onsets), sound, file_name(sound.name), config.detection)}, sound, config);
 }
 
 bool holds_times(const std::string& bytes) {

@@ -12,14 +12,13 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Sections = std::vector<options::Section>;
 
-/// The option that is meant: as written, or without a unit at its end.
-options::Option option_meant(const Sections& sections, std::string key) {
+/// The name of the option that is meant: as written, or without a unit at its end.
+std::string name_meant(const Sections& sections, std::string key) {
   std::replace(key.begin(), key.end(), '_', '-');
-  if (const auto option = options::option_named(sections, key)) return *option;
-  for (const std::string unit : {"-m", "-s", "-hz", "-mps", "-mps2", "-rad"}) {
-    if (!key.ends_with(unit)) continue;
-    if (const auto option = options::option_named(sections, key.substr(0, key.size() - unit.size()))) return *option;
-  }
+  for (const std::string unit : {"", "-m", "-s", "-hz", "-mps", "-mps2", "-rad"})
+    if (const std::string name = key.substr(0, key.size() - unit.size());
+        key.ends_with(unit) && options::option_named(sections, name))
+      return name;
   throw InvalidArgument("unknown option '" + key + "'");
 }
 
@@ -43,12 +42,7 @@ void set_options(const Sections& sections, const std::string& json) {
   if (!options.is_object()) throw InvalidArgument("the options are not a JSON object");
   for (const auto& [key, value] : options.items()) {
     if (value.is_null() || value == false) continue;
-    const options::Option option = option_meant(sections, key);
-    try {
-      option.member->set(option.object, value_from_text(*option.member, text_of(value)));
-    } catch (const InvalidArgument& error) {
-      throw InvalidArgument("--" + option_name(*option.member) + ": " + error.what());
-    }
+    options::set_option(sections, name_meant(sections, key), {text_of(value)});
   }
 }
 

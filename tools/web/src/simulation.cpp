@@ -8,7 +8,7 @@
 
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/parallel.hpp"
-#include "bouncelab/loop/scatter_theory.hpp"
+#include "bouncelab/loop/theory.hpp"
 #include "bouncelab/sim/sim.hpp"
 #include "bouncelab/synthesis/synthetic_recording.hpp"
 #include "options.hpp"

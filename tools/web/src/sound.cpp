@@ -82,25 +82,19 @@ Sound read_sound(const std::string& bytes, const std::string& name) {
   return read_recording(file);
 }
 
-void write_sound(const fs::path& path, const Sound& sound) {
+std::string wav_of(const Sound& sound) {
   if (!(sound.rate_hz >= 1.0 && sound.rate_hz <= std::numeric_limits<int>::max()) ||
       sound.rate_hz != std::floor(sound.rate_hz))
     throw InvalidArgument("a sampling rate of " + std::to_string(sound.rate_hz) + " Hz is none of a recording");
   const auto n = static_cast<std::int64_t>(sound.samples.size());
   if (sound.n_channels < 1 || n % sound.n_channels != 0)
     throw InvalidArgument("samples of " + std::to_string(sound.n_channels) + " channels");
-  const fs::path file = "sound.wav";  // the writer goes by the extension; the recording has the name it came with
+  const WorkingFolder folder;
+  const fs::path file = "sound.wav";
   const audio::AudioSpec spec{static_cast<int>(sound.rate_hz), sound.n_channels, audio::SampleEncoding::float32};
   audio::AudioWriter writer(file, spec, n / sound.n_channels, true);
   writer.write(sound.samples);
   writer.commit();
-  fs::rename(file, path);
-}
-
-std::string wav_of(const Sound& sound) {
-  const WorkingFolder folder;
-  const std::string file = file_name(sound.name);
-  write_sound(file, sound);
   return read_file(file);
 }
 

@@ -41,10 +41,8 @@ Sound read_recording(const std::string& file);
 /// The same of a file's bytes.
 Sound read_sound(const std::string& bytes, const std::string& name);
 
-/// A WAV file of 32-bit floats: the samples as they are.
+/// The bytes of a WAV file of 32-bit floats: the samples as they are.
 /// @throws InvalidArgument where rate or number of channels are none of a recording
-void write_sound(const std::filesystem::path& path, const Sound& sound);
-/// Its bytes.
 std::string wav_of(const Sound& sound);
 
 }  // namespace bouncelab::web

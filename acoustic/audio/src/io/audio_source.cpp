@@ -41,13 +41,19 @@ std::size_t first_unusable(std::span<const float> samples) {
   return samples.size();
 }
 
-AudioSource source_in_memory(std::span<const float> samples, double rate_hz) {
+AudioSource source_in_memory(std::span<const float> samples, double rate_hz, int n_channels, int channel) {
   if (!(rate_hz > 0.0) || !std::isfinite(rate_hz))
     throw InvalidArgument("sampling rate " + std::to_string(rate_hz) + " Hz: must be finite and positive");
+  const auto step = static_cast<std::size_t>(n_channels), at = static_cast<std::size_t>(channel);
   if (const std::size_t bad = first_unusable(samples); bad < samples.size())
-    throw InvalidArgument("sample " + std::to_string(bad) + " is not a finite number below 1e12; remove or repair it");
-  return {rate_hz, static_cast<std::int64_t>(samples.size()), [samples](std::int64_t first, std::span<float> out) {
-            std::copy_n(samples.begin() + first, out.size(), out.begin());
+    throw InvalidArgument("sample " + std::to_string(bad / step) +
+                          (n_channels > 1 ? " of channel " + std::to_string(bad % step) : "") +
+                          " is not a finite number below 1e12; remove or repair it");
+  return {rate_hz, static_cast<std::int64_t>(samples.size() / step),
+          [samples, step, at](std::int64_t first, std::span<float> out) {
+            const std::span<const float> from = samples.subspan(static_cast<std::size_t>(first) * step + at);
+            if (step == 1) return void(std::copy_n(from.begin(), out.size(), out.begin()));
+            for (std::size_t k = 0; k < out.size(); ++k) out[k] = from[k * step];
           }};
 }
 

@@ -3,10 +3,12 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "bouncelab/audio/audio_reader.hpp"
 #include "bouncelab/core/description.hpp"
 #include "bouncelab/core/parallel.hpp"
 #include "bouncelab/detection/detect.hpp"
@@ -72,8 +74,10 @@ Analysis analyze(const std::vector<std::filesystem::path>& recordings, const Ana
 Analysis analyze_times(Onsets onsets, const AnalyzeConfig& config, const StageProgress& progress = {});
 /// Of coefficients of restitution that others measured.
 Analysis analyze_samples(RestitutionSamples samples, const AnalyzeConfig& config, const StageProgress& progress = {});
-/// What follows detection: of recordings whose impacts are known, by hand for instance.
+/// Sound of the channel of a recording in which impacts were found.
+using SoundOf = std::function<audio::AudioSource(const detection::RecordingDetection&)>;
+/// What follows detection: of recordings whose impacts are known, by hand for instance, or whose sound is in memory.
 Analysis analyze_found(std::vector<detection::RecordingDetection> recordings, const AnalyzeConfig& config,
-                       const StageProgress& progress = {});
+                       const SoundOf& sound_of, const StageProgress& progress = {});
 
 }  // namespace bouncelab::loop

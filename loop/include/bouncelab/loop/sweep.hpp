@@ -26,13 +26,9 @@ using Settings = std::vector<std::pair<std::string, std::string>>;
 /// The most combinations of one sweep. Each is a closed loop, which takes a second or more: 10 000 are hours.
 inline constexpr std::size_t kMostCombinations = 10'000;
 
-/// How many combinations of the values there are; 1 without axes.
+/// The combinations of the values, that of the last axis varying fastest; without axes one without settings.
 /// @throws InvalidArgument where there are more than kMostCombinations
-std::size_t n_combinations(const std::vector<SweepAxis>& axes);
-
-/// A combination of the values; the last axis varies fastest.
-/// @param index  below n_combinations(axes)
-Settings combination(const std::vector<SweepAxis>& axes, std::size_t index);
+std::vector<Settings> combinations(const std::vector<SweepAxis>& axes);
 
 /// "snr-db 20, radius-law constant:1e-3"
 std::string text_of(const Settings& settings);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/// What a fit says, in sentences: the answer for somebody who dropped a ball, what a user must know before using it,
-/// the questions of a reader; and fit.json, which has them beside the numbers. Nothing is computed here.
+/// What fits say, in sentences: the answer for somebody who dropped a ball, what a user must know before using it, the
+/// questions of a reader, comparisons of recordings, the paper's conclusions; and fit.json, which has them beside the
+/// numbers. Nothing is computed here.
 #pragma once
 
 #include <cstddef>
@@ -10,8 +11,10 @@
 
 #include "bouncelab/core/description.hpp"
 #include "bouncelab/core/note.hpp"
+#include "bouncelab/core/restitution_law.hpp"
 #include "bouncelab/core/samples.hpp"
 #include "bouncelab/detection/detect.hpp"
+#include "bouncelab/fit/between_recordings.hpp"
 #include "bouncelab/fit/fit.hpp"
 
 namespace bouncelab::report {
@@ -156,5 +159,46 @@ std::string in_words(const fit::Roughness& roughness);
 Object object_of(const fit::FitResult& result, const FitInWords& words);
 /// roughness.json
 Object object_of(const fit::RoughnessResult& result, const std::vector<Note>& notes);
+
+// What many recordings say together (fit/between_recordings.hpp).
+
+/// The answer in a few sentences, the most important first. @param recordings  those compared
+/// @param differences  of few groups: what they say comes first
+std::vector<std::string> in_words(const fit::BetweenRecordings& between,
+                                  const std::vector<fit::CampaignRecording>& recordings,
+                                  const std::optional<fit::GroupDifferences>& differences = {});
+
+/// comparison.json but for the rows of the recordings, of which it has the outliers and those that could not be used.
+Object object_of(const fit::BetweenRecordings& between, const std::vector<fit::CampaignRecording>& recordings,
+                 const std::optional<fit::GroupDifferences>& differences = {});
+
+/// What the page draws: columns of the recordings used, in order of time; of more than `most` every so manieth, and
+/// always the outliers and the fifty furthest off.
+std::string points_json(const fit::BetweenRecordings& between, const std::vector<fit::CampaignRecording>& recordings,
+                        std::size_t most = 4000);
+
+/// Something that the paper concludes from its figures, put to the numbers of one experiment.
+struct Conclusion {
+  std::string claim;                  ///< "p(eps) is not normal"
+  std::string measure;                ///< what `value` is
+  std::optional<double> value;        ///< absent where the data do not reach
+  std::optional<fit::Interval> ci95;  ///< of `value`, where it has one
+  std::string criterion;              ///< when the claim is said to hold
+  bool holds = false;
+  std::string detail;  ///< the numbers behind, in words
+};
+Description members_of(const Conclusion*);
+
+/// What Montaine et al., doi:10.1103/PhysRevE.84.041306, conclude from their figs. 1 and 2:
+///   - p(eps) at fixed speed is not normal          every window: AIC(normal) - AIC(two exponentials) > 10
+///   - its two slopes differ                        every window: 95 % interval of their ratio excludes 1
+///   - its peaks follow eps(v)                      every window: |peak - eps(v)| < 3 standard errors
+///   - the scatter comes from the asperities        spread of the smooth ball below a tenth of the rough ball's
+///   - it grows as the speed falls                  95 % interval of k in spread ~ v^k below 0
+/// @param rough   fitted to the rough ball
+/// @param smooth  fitted to the same ball without asperities through the same chain; without: that claim is left out
+/// @param truth   the law that went in, where it is known; else the peaks are held against the fitted law
+std::vector<Conclusion> paper_conclusions(const fit::FitResult& rough, const fit::FitResult* smooth,
+                                          const std::optional<RestitutionLaw>& truth);
 
 }  // namespace bouncelab::report

@@ -29,8 +29,10 @@ struct AudioSource {
   std::vector<Silence> silences{};
 };
 
-/// Source of samples in memory, which must outlive it. @throws InvalidArgument naming a sample that is not finite
-AudioSource source_in_memory(std::span<const float> samples, double rate_hz);
+/// Source of samples in memory, which must outlive it.
+/// @param samples  interleaved where there are several channels
+/// @throws InvalidArgument naming a sample that is not finite
+AudioSource source_in_memory(std::span<const float> samples, double rate_hz, int n_channels = 1, int channel = 0);
 
 /// Reads samples first ... first + out.size() - 1; those outside the recording are 0.
 void read_padded(const AudioSource& source, std::int64_t first, std::span<float> out);

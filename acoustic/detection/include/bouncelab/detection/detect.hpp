@@ -145,12 +145,13 @@ const RecordingDetection* first_found(const std::vector<RecordingDetection>& rec
 Detection detect(const std::filesystem::path& recording, const DetectionConfig& config = {},
                  const ProgressCallback& progress = {});
 
-/// The same from samples in memory, full scale = 1, one channel.
-/// @param rate_hz  4e3 ... 4e6 [Hz]
-/// @param name     goes into the column `recording`
+/// The same from samples in memory, full scale = 1.
+/// @param rate_hz     4e3 ... 4e6 [Hz]
+/// @param name        goes into the column `recording`
+/// @param n_channels  interleaved in the samples
 /// @throws InvalidArgument where the rate is out of range or a sample is not finite
 Detection detect(std::span<const float> samples, double rate_hz, const std::string& name,
-                 const DetectionConfig& config = {}, const ProgressCallback& progress = {});
+                 const DetectionConfig& config = {}, const ProgressCallback& progress = {}, int n_channels = 1);
 
 /// Takes what was found in the k-th recording as soon as it is known: in any order, from one thread at a time.
 using DetectionSink = std::function<void(std::size_t k, Detection&& found)>;

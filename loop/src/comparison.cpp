@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bouncelab/loop/comparison.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <set>
+#include <utility>
+
+#include "bouncelab/core/parallel.hpp"
+#include "bouncelab/core/text.hpp"
+#include "bouncelab/fit/restitution.hpp"
+
+namespace bouncelab::loop {
+namespace {
+
+using Groups = std::vector<std::pair<std::string, RestitutionSamples>>;
+using Names = std::vector<std::string>;
+
+std::string file_of(const std::string& recording) { return std::filesystem::path(recording).filename().string(); }
+
+/// A note on some of the recordings: "2 of the 5 recordings ('a', 'b') WHAT". None of no names.
+/// @param one, more  what is true of one, and of several
+void note_some(NoteKind kind, const Names& names, std::size_t n_all, const std::string& one, const std::string& more,
+               std::vector<Note>& notes) {
+  constexpr std::size_t kMostNamed = 5;
+  if (names.empty()) return;
+  std::string some;
+  for (std::size_t k = 0; k < std::min(names.size(), kMostNamed); ++k)
+    some += (k > 0 ? ", '" : "'") + printable(names[k]) + "'";
+  if (names.size() > kMostNamed) some += formatted(" and %zu more", names.size() - kMostNamed);
+  notes.push_back(
+      {kind,
+       {},
+       formatted("%zu of the %zu recordings (", names.size(), n_all) + some + ") " + (names.size() == 1 ? one : more)});
+}
+
+/// Rows of the table without a recording, and recordings without a row, are named.
+void name_origins(std::vector<fit::CampaignRecording>& recordings, const Origins& origins, std::vector<Note>& notes) {
+  std::set<std::string> found;
+  Names without_row, without_samples;
+  for (fit::CampaignRecording& recording : recordings) {
+    const std::string& name = recording.summary.recording;
+    auto known = origins.by_recording.find(name);
+    if (known == origins.by_recording.end()) known = origins.by_recording.find(file_of(name));
+    if (known != origins.by_recording.end()) {
+      recording.origin = known->second;
+      found.insert(known->first);
+    } else {
+      without_row.push_back(name);
+    }
+    if (!recording.origin.date) recording.origin.date = fit::date_in_name(name);
+  }
+  if (origins.by_recording.empty()) return;
+  for (const auto& [name, origin] : origins.by_recording)
+    if (!found.contains(name)) without_samples.push_back(name);
+  const std::string of_table = "of " + origins.table, in_table = " no row in " + origins.table;
+  note_some(NoteKind::rows_without_samples, without_samples, origins.by_recording.size(), of_table + " has no samples",
+            of_table + " have no samples", notes);
+  note_some(NoteKind::no_row, without_row, recordings.size(), "has" + in_table, "have" + in_table, notes);
+}
+
+RestitutionSamples usable(const RestitutionSamples& samples) {
+  fit::LeftOut left_out;
+  return *fit::usable_samples(samples, left_out);
+}
+
+/// Plates where there are two to four, else two to four recordings; otherwise none.
+/// @param kept  samples of the recordings, in their order
+Groups groups_of(const ComparedRecordings& compared, const std::vector<RestitutionSamples>& kept) {
+  std::map<std::string, RestitutionSamples> plates;
+  Groups alone;
+  for (std::size_t k = 0; k < kept.size(); ++k) {
+    if (compared.between.rows[k].is_outlier) continue;
+    const fit::CampaignRecording& recording = compared.recordings[k];
+    alone.emplace_back(recording.summary.recording, usable(kept[k]));
+    if (const std::string& plate = recording.origin.plate; !plate.empty())
+      plates[plate].insert(plates[plate].end(), alone.back().second.begin(), alone.back().second.end());
+  }
+  std::set<std::string> file_names;
+  for (const auto& [name, samples] : alone) file_names.insert(file_of(name));
+  if (file_names.size() == alone.size())
+    for (auto& [name, samples] : alone) name = file_of(name);
+  const auto are_few = [](std::size_t n) { return n >= 2 && n <= fit::kMostGroups; };
+  if (are_few(plates.size())) return {plates.begin(), plates.end()};
+  return plates.empty() && are_few(alone.size()) ? alone : Groups{};
+}
+
+}  // namespace
+
+void Comparison::add(RestitutionSamples&& samples) {
+  constexpr std::size_t kMost_samples = 100000;  // waiting: some 30 MB
+  constexpr std::size_t kMostKept = 100;         // of few plates; of more recordings the summaries say enough
+  const bool is_named = !samples.empty() && samples.front().conditions.ball;
+  const std::string recording = samples.empty() ? "" : samples.front().recording;
+  (is_named ? of_named_balls_ : of_others_).push_back(recording);
+  if (is_named) samples = fit::at_the_plate(std::move(samples));
+  if (!samples.empty()) {
+    const SampleConditions& conditions = samples.front().conditions;
+    if (!first_) first_ = conditions;
+    if (conditions != *first_ && conditions.ball.has_value() == first_->ball.has_value())
+      of_other_conditions_.push_back(recording);
+  }
+  n_waiting_ += samples.size();
+  if (kept_.size() < kMostKept) kept_.push_back(samples);
+  waiting_.push_back(std::move(samples));
+  if (n_waiting_ > kMost_samples) reduce();
+}
+
+void Comparison::reduce() {
+  const std::size_t first = recordings_.size();
+  recordings_.resize(first + waiting_.size());
+  parallel_for(waiting_.size(), 0,
+               [&](std::size_t k) { recordings_[first + k].summary = fit::summarize_recording(waiting_[k]); });
+  waiting_.clear();
+  n_waiting_ = 0;
+}
+
+ComparedRecordings Comparison::finish(const Origins& origins) {
+  reduce();
+  ComparedRecordings all;
+  std::vector<Note> notes;
+  if (!of_named_balls_.empty())
+    note_some(NoteKind::no_ball_named, of_others_, recordings_.size(), "names", "name", notes);
+  note_some(NoteKind::other_conditions, of_other_conditions_, recordings_.size(), "is", "are", notes);
+  all.recordings = std::move(recordings_);
+  name_origins(all.recordings, origins, notes);
+  all.between = fit::compare_campaign(all.recordings);
+  all.between.notes.insert(all.between.notes.end(), notes.begin(), notes.end());
+  for (const RestitutionSamples& samples : kept_) {
+    const RestitutionSamples part = usable(samples);
+    all.kept.insert(all.kept.end(), part.begin(), part.end());
+  }
+  if (kept_.size() < all.recordings.size()) return all;
+  if (const Groups groups = groups_of(all, kept_); !groups.empty()) all.differences = fit::compare_groups(groups);
+  return all;
+}
+
+}  // namespace bouncelab::loop
