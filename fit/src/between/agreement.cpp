@@ -9,9 +9,12 @@
 #include <numeric>
 #include <optional>
 #include <set>
+#include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
+#include "between/agreement.hpp"
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/numerics.hpp"
 #include "bouncelab/core/parallel.hpp"
@@ -19,23 +22,35 @@
 #include "numerics/numerics.hpp"
 
 namespace bouncelab::fit {
-namespace {
 
-/// Samples by unit: columns of equal length.
-struct UnitSamples {
-  std::vector<double> residual;          ///< of eps from a curve of all
-  std::vector<double> weight;            ///< 1 / variance of the scatter and of the timing, but for a factor
-  Eigen::MatrixXd curve;                 ///< a row a sample: what may be wrong about the curve, as d eps
-  std::vector<std::size_t> group, drop;  ///< each sample's, from 0, none left out; a drop is of one group
-  std::size_t n_groups = 0, n_drops = 0;
-};
-
-/// Means of the units, a constant of eps for each beside one curve by weighted least squares, and what they leave.
-struct UnitMeans {
-  std::vector<double> mean, weight;  ///< of each unit: its offset from the curve; the sum of its samples' weights
-  double squares = 0.0;              ///< weighted sum of squares about curve and means
-  std::size_t n_free = 0;            ///< its degrees of freedom
-};
+UnitSamples unit_samples(const std::vector<UnitGroup>& groups, const LawFit& law, std::vector<int> orders,
+                         bool of_recordings) {
+  UnitSamples units;
+  std::vector<double> v_mps;
+  RestitutionSamples kept;
+  std::map<std::tuple<std::size_t, std::string, std::int64_t>, std::size_t> numbers;
+  for (const UnitGroup& group : groups) {
+    for (std::size_t k = 0; k < group.samples->size(); ++k) {
+      if (std::binary_search(group.outliers->begin(), group.outliers->end(), k)) continue;
+      const RestitutionSample& s = (*group.samples)[k];
+      kept.push_back(s);
+      v_mps.push_back(s.v_mps);
+      units.weight.push_back(1.0 / (group.scatter->variance(s.v_mps) + square(s.sigma_eps.value_or(0.0))));
+      units.group.push_back(units.n_groups);
+      const auto name = std::tuple(units.n_groups, s.recording, of_recordings ? 0 : s.drop);
+      units.unit.push_back(numbers.try_emplace(name, numbers.size()).first->second);
+    }
+    ++units.n_groups;
+  }
+  units.n_units = numbers.size();
+  if (kept.empty()) return units;
+  units.residual = residuals_from(*law.law, kept);
+  orders.resize(std::min(orders.size(), law.parameters.size()));
+  const LawModel model = make_law_model(law.kind, orders, v_mps);
+  const double gamma = law.kind == LawKind::viscoelastic ? law.parameters.front().estimate.value : 1.0;
+  units.curve = model.jacobian(v_mps, Eigen::VectorXd::Constant(model.n_parameters(), log(gamma)));
+  return units;
+}
 
 UnitMeans unit_means(const UnitSamples& samples, const std::vector<std::size_t>& unit, std::size_t n_units) {
   constexpr double kIndependent = 1e-9;  // of the curve's own squares: less of it is left beside the means
@@ -78,6 +93,8 @@ UnitMeans unit_means(const UnitSamples& samples, const std::vector<std::size_t>&
   return result;
 }
 
+namespace {
+
 struct Agreement {
   RecordingsTest test;
   std::vector<Estimate> offsets;  ///< of each group, their mean over all samples 0
@@ -91,7 +108,7 @@ std::optional<Agreement> agreement(const UnitSamples& samples) {
   if (samples.n_groups < 2 || n == 0) return std::nullopt;
   const UnitMeans one = unit_means(samples, std::vector<std::size_t>(n, 0), 1);
   const UnitMeans groups = unit_means(samples, samples.group, samples.n_groups);
-  const UnitMeans drops = unit_means(samples, samples.drop, samples.n_drops);
+  const UnitMeans drops = unit_means(samples, samples.unit, samples.n_units);
   if (groups.n_free >= one.n_free || groups.n_free == 0) return std::nullopt;
   Agreement result;
   RecordingsTest& test = result.test;
@@ -133,37 +150,11 @@ std::vector<RestitutionSamples> by_recording(const RestitutionSamples& samples) 
 /// The table of units: the samples that recordings keep, about the curve of all.
 UnitSamples units_of(const std::vector<RestitutionSamples>& recordings, const std::vector<RecordingFit>& rows,
                      const LawFitConfig& config, const LawFit& pooled) {
-  RestitutionSamples kept;
-  UnitSamples units;
-  std::size_t n_drops = 0;
-  for (std::size_t r = 0; r < recordings.size(); ++r) {
-    if (recordings[r].size() < kFewestOfRecording) continue;
-    std::map<std::int64_t, std::size_t> drops;
-    for (std::size_t k = 0; k < recordings[r].size(); ++k) {
-      if (std::binary_search(rows[r].outliers.begin(), rows[r].outliers.end(), k)) continue;
-      const RestitutionSample& s = recordings[r][k];
-      kept.push_back(s);
-      units.group.push_back(units.n_groups);
-      units.drop.push_back(drops.try_emplace(s.drop, n_drops + drops.size()).first->second);
-    }
-    n_drops += drops.size();
-    ++units.n_groups;
-  }
-  units.n_drops = n_drops;
-  if (units.n_groups < 2) return units;
-  const std::vector<int> orders(
-      config.orders.begin(),
-      config.orders.begin() + static_cast<std::ptrdiff_t>(std::min(config.orders.size(), pooled.parameters.size())));
-  std::vector<double> v_mps;
-  for (const RestitutionSample& s : kept) {
-    v_mps.push_back(s.v_mps);
-    units.weight.push_back(1.0 / (pooled.scatter->variance(s.v_mps) + square(s.sigma_eps.value_or(0.0))));
-  }
-  units.residual = residuals_from(*pooled.law, kept);
-  const LawModel model = make_law_model(pooled.kind, orders, v_mps);
-  const double gamma = pooled.kind == LawKind::viscoelastic ? pooled.parameters.front().estimate.value : 1.0;
-  units.curve = model.jacobian(v_mps, Eigen::VectorXd::Constant(model.n_parameters(), log(gamma)));
-  return units;
+  std::vector<UnitGroup> groups;
+  for (std::size_t r = 0; r < recordings.size(); ++r)
+    if (recordings[r].size() >= kFewestOfRecording)
+      groups.push_back({&recordings[r], &rows[r].outliers, &*pooled.scatter});
+  return unit_samples(groups, pooled, config.orders, false);
 }
 
 RecordingFit row_of(const RestitutionSamples& samples, LawFitConfig config, const LawFit& pooled, bool is_one_of_many) {
@@ -323,12 +314,12 @@ UnitSamples units_of(const std::vector<Drop>& drops, std::size_t below) {
       units.residual.push_back(drops[d].eps[k]);
       ln_v.push_back(drops[d].ln_v[k]);
       units.group.push_back(d < below ? 0 : 1);
-      units.drop.push_back(d);
+      units.unit.push_back(d);
     }
   units.weight.assign(ln_v.size(), 1.0);
   units.curve = Eigen::Map<const Eigen::VectorXd>(ln_v.data(), static_cast<Eigen::Index>(ln_v.size()));
   units.n_groups = 2;
-  units.n_drops = drops.size();
+  units.n_units = drops.size();
   return units;
 }
 

@@ -222,17 +222,15 @@ Description members_of(const GroupDifferences*);
 
 inline constexpr std::size_t kMostGroups = 4;
 
-/// Do groups differ by more than the drops (or recordings) within them do? A nested analysis of variance about the law
-/// of each group: unit u has the mean residual r_u, weighted by the inverse variance of the scatter, with variance
-/// tau^2 + 1/W_u, W_u the sum of the weights, tau by moments (DerSimonian & Laird, doi:10.1016/0197-2456(86)90046-2);
+/// Do groups differ by more than the drops (or recordings) within them do? By the table of RecordingsTest: a mean of
+/// eps for each group about one curve (S1), for each unit (S2), samples weighted by their inverse variances,
 ///
-///   w_u = 1 / (tau^2 + 1/W_u),   q = sum w_u (r_u - mean of its group)^2 / (units - groups),
-///   variance of a group's mean = q / sum w_u,
+///   q = (S1 - S2) / (units - groups),   variance of an offset = q times that of independent samples, q at least 1,
 ///
-/// and the offset of two groups over the root of both variances is Student's t with units - groups degrees of freedom
-/// (Knapp & Hartung, Stat. Med. 22, 2693 (2003), doi:10.1002/sim.1482). The variance is never taken below that of
-/// independent samples. What differs within the groups enters the errors of nodes and constants as a constant offset of
-/// eps. The offset is of the means, nodes and constants are those of the laws, of the peak.
+/// and the offset of two groups over its root is Student's t with units - groups degrees of freedom. tau, by which
+/// units differ beyond the scatter, by moments (DerSimonian & Laird, doi:10.1016/0197-2456(86)90046-2). What differs
+/// within the groups enters the errors of nodes and constants as a constant offset of eps. The offset is of the means,
+/// nodes and constants are those of the laws, of the peak.
 ///
 /// The unit is the recording where some group has several, else the drop. With one unit in each group errors are those
 /// of independent samples and there is no p.
