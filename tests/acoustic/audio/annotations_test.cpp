@@ -265,6 +265,12 @@ class Cues : public testing::Test {
     sf_close(file);
     return x;
   }
+  static void copy_with_cues(const fs::path& recording, const Annotations& annotations, const fs::path& out,
+                             const std::string& name) {
+    std::ofstream file(out, std::ios::binary);
+    audio::copy_with_cues(
+        recording, annotations, [&](std::string_view bytes) { file << bytes; }, name);
+  }
   test::TemporaryFolder folder_;
 };
 

@@ -20,7 +20,7 @@
 #include "bouncelab/core/child_process.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/parallel.hpp"
-#include "io/sound_decoder.hpp"
+#include "io/sound_header.hpp"
 #include "support/places.hpp"
 #include "support/refusal.hpp"
 #include "support/temporary_folder.hpp"

@@ -197,7 +197,7 @@ py::dict onsets_of_heights(const std::vector<std::vector<std::string>>& drops, c
   const std::string name = "heights";
   return read_in_memory([&] {
     const ForeignOptions options{"heights", unit, "h=h"};
-    const TakenTable taken = onsets_from_foreign(read_foreign_table(text, name, options), name, options);
+    const TakenTable taken = onsets_from_foreign(read_foreign_table(text, name, options));
     return columns_of(to_table(onsets_from_table(taken.table, name)));
   });
 }

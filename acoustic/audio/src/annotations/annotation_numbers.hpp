@@ -13,13 +13,7 @@
 
 namespace bouncelab::audio {
 
-/// The fewest digits that read back to the same number.
-inline std::string number_text(double value) {
-  char buffer[32];
-  return {buffer, bouncelab::to_chars(buffer, buffer + sizeof buffer, value).ptr};
-}
-
-/// The same without an exponent: Praat and Audacity do not read one.
+/// The fewest digits that read back to the same number, without an exponent: Praat and Audacity do not read one.
 inline std::string plain_number_text(double value) {
   char buffer[400];
   return {buffer, bouncelab::to_chars(buffer, buffer + sizeof buffer, value, std::chars_format::fixed).ptr};

@@ -12,7 +12,7 @@
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/foreign_table.hpp"
 #include "bouncelab/core/text.hpp"
-#include "io/numbers.hpp"
+#include "io/coded_sound.hpp"
 
 namespace bouncelab::audio {
 namespace {
@@ -320,7 +320,7 @@ Onsets onsets_of_file(std::string_view bytes, const std::string& name, const For
       return onsets_of(*std::move(marks), false, name);
     }
   }
-  TakenTable taken = onsets_from_foreign(read_foreign_table(decoded_text(bytes, name), name, options), name, options);
+  TakenTable taken = onsets_from_foreign(read_foreign_table(decoded_text(bytes, name), name, options));
   taken_for = std::move(taken.taken_for);
   return onsets_from_table(taken.table, name);
 }

@@ -90,8 +90,8 @@ void pack(const float* __restrict re, const float* __restrict im, const RealFft:
 }
 
 /// FFTW may plan on one thread at a time; by estimate only, because the plans that it measures differ from run to run.
-/// Complex transforms whose length is a power of two are the same to the last bit by registers of any width; FFTW's
-/// real ones are not, and take longer.
+/// FFTW's own real transforms, planned so, take longer than complex ones of half the length with packing: by them
+/// `detect` takes 1.05 (60 s of sound) to 1.15 (12 s) of the time, all in all.
 const RealFft::Plan& plan_for(std::size_t n) {
   static std::mutex mutex;
   static std::map<std::size_t, RealFft::Plan> known;

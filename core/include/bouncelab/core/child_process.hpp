@@ -117,4 +117,7 @@ ProgramResult run_program(const std::filesystem::path& program, const std::vecto
                           const std::string& file, int descriptor, const ChildLimits& limits,
                           std::size_t most_bytes = 1 << 16);
 
+/// The first line of what a program complained of, without where in memory a part of it lies ("[aac @ 0x55d0]").
+std::string first_complaint(const std::string& complaints);
+
 }  // namespace bouncelab

@@ -2,9 +2,9 @@
 /// Files: inputs that may be pipes, outputs that appear whole or not at all, and what is refused before work begins.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <span>
 #include <string>
@@ -24,25 +24,35 @@ std::string input_name(const std::filesystem::path& path);
 ///         Interrupted
 std::filesystem::path readable(const std::filesystem::path& path);
 
-/// The bytes of a file, a quarter of a megabyte at a time: they stay in the cache until they are used, and memory does
-/// not grow with the file.
+/// The bytes of a file, or of memory, read at any place. A copy is of the same file.
 class FileBytes {
  public:
-  /// @throws FileError where it cannot be read
+  /// An input (readable()), open as long as a copy of this lives. @throws FileError where it cannot be read;
+  /// Interrupted
   explicit FileBytes(const std::filesystem::path& path);
-  FileBytes(FileBytes&&) noexcept;
-  FileBytes& operator=(FileBytes&&) noexcept;
-  ~FileBytes();
+  /// @param descriptor  of a regular file open for reading; it stays the caller's
+  FileBytes(int descriptor, std::string name);
+  /// @param bytes  must outlive this
+  FileBytes(std::span<const std::byte> bytes, std::string name);
 
-  std::int64_t size() const;
-
-  /// Bytes first ... first + n - 1, until the next call.
-  /// @throws FileError where the file holds no such bytes, or no longer
-  std::span<const unsigned char> at(std::int64_t first, std::int64_t n);
+  /// For messages.
+  const std::string& name() const { return name_; }
+  int descriptor() const { return descriptor_; }
+  std::int64_t size() const { return size_; }
+  /// @return how many bytes were read: fewer than asked for at the end of the file, and where it cannot be read
+  std::int64_t read(std::int64_t first, std::span<std::byte> out);
+  /// At most n bytes from `first` on.
+  std::string text(std::int64_t first, std::size_t n);
+  /// @throws FileError where reading failed, with the system's reason
+  void check() const;
 
  private:
-  struct State;
-  std::unique_ptr<State> state_;
+  std::string name_;
+  std::shared_ptr<const void> opened_;  // closed with the last copy
+  int descriptor_ = -1;
+  std::span<const std::byte> memory_;
+  std::int64_t size_ = 0;
+  int error_ = 0;  // errno
 };
 
 /// A whole file as it is, for what is small. Streams of the standard library are no way to it: where memory is short
@@ -50,9 +60,9 @@ class FileBytes {
 /// @throws FileError where it cannot be read; std::bad_alloc
 std::string whole_content(const std::filesystem::path& path);
 
-/// A file that appears whole or not at all: written beside its final place under a hidden name, renamed by commit(),
-/// removed by the destructor otherwise (an exception, Ctrl-C), or, where the process was killed, by the next process
-/// that writes in that folder.
+/// A file that appears whole or not at all: while it is written it has no name and is gone with its process, however
+/// that ends; commit() gives it its name. On drives that have no such files (O_TMPFILE) it has a hidden name meanwhile,
+/// which a process that is killed leaves behind.
 ///
 /// Links are followed: the file behind them is replaced, with its permissions, and they stay. What is no file ("-" for
 /// standard output, /dev/stdout, /dev/fd/N, /dev/null, a device, a FIFO) is never replaced: the file is written to
@@ -66,9 +76,10 @@ class OutputFile {
   OutputFile& operator=(const OutputFile&) = delete;
   ~OutputFile();
 
-  /// Where to write until commit(); on the same file system, with the same extension (if it has at most 16 bytes). The
-  /// file exists, is empty, and is to be written to, not replaced.
-  const std::filesystem::path& temporary_path() const;
+  /// The file as it is until commit(), open for writing and reading.
+  int descriptor() const;
+  /// On whose drive it lies: its own, or of what goes to a stream the one for temporary files.
+  const std::filesystem::path& folder() const;
   /// Behind what was written by this before. @throws FileError saying why not, Interrupted
   void write(std::string_view bytes);
   /// Puts the file in its place. @throws FileError; FileExists where another process made it meanwhile
@@ -82,9 +93,6 @@ class OutputFile {
 /// Writes `content` whole or not at all. @throws FileError
 void write_whole(const std::filesystem::path& path, std::string_view content, bool may_replace);
 
-/// Closes a file that was written by a stream. @param name  for people. @throws FileError where not all was written
-void close_written(std::ofstream& file, const std::filesystem::path& name);
-
 /// "the disk is full" and the like, from errno (0: not known); names the limits that people set themselves.
 std::string why_writing_failed(int error);
 
@@ -95,9 +103,6 @@ bool is_standard_output(const std::filesystem::path& output);
 
 /// Writes text to standard output. @return 0, or errno: EPIPE where nobody reads it any more
 int write_to_standard_output(std::string_view text);
-
-/// Deletes the hidden files that killed processes of this machine left in a folder. Done by OutputFile in its folder.
-void remove_abandoned_files(const std::filesystem::path& folder);
 
 /// To be called before any work with all files of it: what would destroy something, or come to nothing in the end, is
 /// refused now. Empty paths are passed over.

@@ -5,7 +5,6 @@
 #include <charconv>
 #include <cstddef>
 #include <cstdint>
-#include <cstdio>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -64,13 +63,12 @@ class TextDecoder {
 /// @throws FileError naming what it is not
 std::string decoded_text(std::string_view bytes, const std::string& name);
 
-/// Numbers in a text of any length, as printf writes them.
-template <class... Values>
-std::string formatted(const char* format, Values... values) {
-  std::string text(static_cast<std::size_t>(std::snprintf(nullptr, 0, format, values...)), '\0');
-  std::snprintf(text.data(), text.size() + 1, format, values...);
-  return text;
-}
+/// Numbers in a text of any length, as printf writes them; the compiler checks that they are what the format says.
+[[gnu::format(printf, 1, 2)]] std::string formatted(const char* format, ...);
+
+/// The shortest text that is read as the same number.
+std::string number_text(double value);
+std::string number_text(float value);
 
 /// The name that was probably meant: the one reached by the fewest insertions, deletions, replacements and swaps of
 /// neighbours, the first of several.

@@ -69,8 +69,8 @@ struct AudioFormat {
 };
 
 /// Reads recordings with random access, never resampled:
-///   - plain samples of WAV, RF64, W64, AIFF and AU in place
-///   - what else libsndfile knows (FLAC, OGG, MP3, CAF ...), decoded once into memory, or where there are more than
+///   - plain samples of WAV, RF64 and W64 in place
+///   - what else libsndfile knows (FLAC, AIFF, OGG, MP3 ...), decoded once into memory, or where there are more than
 ///     2^24 samples into a nameless file in TMPDIR or /tmp
 ///   - the sound of any other file likewise by ffmpeg, where that is installed (m4a, mp4, mov, 3gp, webm, mkv, amr ...)
 ///   - numbers: .npy of samples (x channels), tables of text with or without a column of times

@@ -25,9 +25,10 @@ void add_four_scaled(double* to, const double factors[4], const double* const x[
 /// product[k] = a[k] b[k] for n values.
 void multiply(const double* a, const double* b, double* product, std::size_t n);
 
-/// FIR filter, not reversed: out[n] = sum_k taps[k] x[n + k]. Every sum is taken in the same order, by fused
-/// multiply-add, wherever it stands in `out`.
-/// @param x  at least out.size() + taps.size() - 1 samples
+/// FIR filter, not reversed: out[n] = sum_k taps[k] x[n + k]. Every sum is taken in the same order, wherever it stands
+/// in `out`; by fused multiply-add where the processor has it.
+/// @param x     at least out.size() + taps.size() - 1 samples
+/// @param taps  at least one
 void correlate(std::span<const float> x, std::span<const float> taps, std::span<float> out);
 
 /// The same at every factor-th place: out[n] = sum_k taps[k] x[factor n + k], without fused multiply-add; every sum is
