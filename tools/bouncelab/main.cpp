@@ -27,7 +27,6 @@
 #include "options/commands.hpp"
 #include "options/config_file.hpp"
 #include "options/parser.hpp"
-#include "stages/progress_line.hpp"
 #include "stages/run.hpp"
 
 namespace bouncelab::cli {
