@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "stages/detect.hpp"
+#include "stages/stages.hpp"
 
 #include <fmt/format.h>
 
@@ -19,7 +19,6 @@
 #include "stages/files/provenance.hpp"
 #include "stages/files/sample_files.hpp"
 #include "stages/files/table_file.hpp"
-#include "stages/progress_line.hpp"
 
 namespace bouncelab::stages {
 namespace {

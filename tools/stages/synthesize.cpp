@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "stages/simulate.hpp"
+#include "stages/stages.hpp"
 
 #include <fmt/format.h>
 
@@ -23,7 +23,6 @@
 #include "stages/files/provenance.hpp"
 #include "stages/files/scratch_folder.hpp"
 #include "stages/files/table_file.hpp"
-#include "stages/progress_line.hpp"
 
 namespace bouncelab::stages {
 namespace {

@@ -20,7 +20,7 @@
 #include "stages/files/foreign_files.hpp"
 #include "stages/files/sample_files.hpp"
 #include "stages/files/table_file.hpp"
-#include "stages/progress_line.hpp"
+#include "stages/run.hpp"
 #include "work.hpp"
 
 namespace bouncelab::python {
