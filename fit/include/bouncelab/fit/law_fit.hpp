@@ -95,10 +95,9 @@ struct LawFit {
   std::vector<std::size_t> outliers;
   std::size_t n_parameters = 0;           ///< of law and scatter together
   std::vector<NamedEstimate> parameters;  ///< A2, A4, A5 ... | gamma | eps
-  Matrix correlation;                     ///< of `parameters`
   Matrix covariance;                      ///< of `parameters`
   std::vector<NodeEstimate> nodes;
-  Matrix node_correlation;
+  Matrix node_covariance;
   std::optional<ScatterModel> scatter;
   std::optional<double> loglik, chi2, p_value;
   std::optional<std::size_t> ndf;
