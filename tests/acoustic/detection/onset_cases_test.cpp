@@ -12,7 +12,6 @@
 
 #include "bouncelab/core/table.hpp"
 #include "bouncelab/detection/detect.hpp"
-#include "bouncelab/detection/score.hpp"
 
 namespace bouncelab::detection {
 namespace {

@@ -11,7 +11,6 @@
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/random.hpp"
 #include "bouncelab/detection/detect.hpp"
-#include "bouncelab/detection/score.hpp"
 #include "support/modal_sound.hpp"
 
 namespace bouncelab::detection {
