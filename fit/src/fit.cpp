@@ -5,11 +5,11 @@
 
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/text.hpp"
-#include "bouncelab/fit/usable_samples.hpp"
+#include "bouncelab/fit/restitution.hpp"
 #include "curve/smooth_curve.hpp"
 #include "law/law_model.hpp"
 #include "law/law_search.hpp"
-#include "numerics/linalg.hpp"
+#include "numerics/numerics.hpp"
 #include "restitution/air_and_contact.hpp"
 
 namespace bouncelab::fit {

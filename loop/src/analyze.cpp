@@ -5,7 +5,7 @@
 #include <memory>
 #include <utility>
 
-#include "bouncelab/audio/audio_reader.hpp"
+#include "bouncelab/audio/sound_file.hpp"
 #include "bouncelab/core/files.hpp"
 
 namespace bouncelab::loop {

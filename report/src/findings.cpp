@@ -211,8 +211,8 @@ std::string in_dem(const FitResult& r) {
              fit::in_words(d.eps, d.se).c_str(), d.v_mps) +
          (d.gamma ? "With the speed: viscoelastic contacts. " : "") +
          "Inputs of LIGGGHTS, LAMMPS, Yade and MercuryDPM" + " that run, and functions that draw the fluctuations" +
-         (memory_holds(r) ? ", with memory," : "") +
-         " are at the end, and `bouncelab dem fit.json --code lammps` prints them.";
+         (memory_holds(r) ? " with memory" : "") +
+         ": `bouncelab dem fit.json --code lammps` prints them, and the report has them at its end.";
 }
 
 // Why eps is not the same at every bounce: the speed, the air, the roughness, each by its size in this recording.

@@ -13,7 +13,6 @@
 #include "bouncelab/core/onsets.hpp"
 #include "bouncelab/core/random.hpp"
 #include "bouncelab/fit/restitution.hpp"
-#include "bouncelab/fit/usable_samples.hpp"
 #include "curve/smooth_curve.hpp"
 #include "support/statistics.hpp"
 

@@ -5,8 +5,7 @@
 #include <cmath>
 
 #include "memory/posterior.hpp"
-#include "numerics/distributions.hpp"
-#include "numerics/linalg.hpp"
+#include "numerics/numerics.hpp"
 
 namespace bouncelab::fit {
 namespace {

@@ -23,7 +23,6 @@
 #include "bouncelab/core/text.hpp"
 #include "bouncelab/report/notes.hpp"
 #include "options/commands.hpp"
-#include "stages/progress_line.hpp"
 #include "stages/run.hpp"
 
 namespace bouncelab::cli {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "stages/detect.hpp"
+#include "stages/stages.hpp"
 
 #include <fmt/format.h>
 
@@ -8,7 +8,6 @@
 #include <iterator>
 #include <utility>
 
-#include "bouncelab/core/child_process.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/files.hpp"
 #include "bouncelab/core/parallel.hpp"
@@ -20,7 +19,6 @@
 #include "stages/files/provenance.hpp"
 #include "stages/files/sample_files.hpp"
 #include "stages/files/table_file.hpp"
-#include "stages/progress_line.hpp"
 
 namespace bouncelab::stages {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "stages/fit.hpp"
+#include "stages/stages.hpp"
 
 #include <fmt/format.h>
 #include <algorithm>
@@ -19,7 +19,6 @@
 #include "stages/files/provenance.hpp"
 #include "stages/files/sample_files.hpp"
 #include "stages/files/table_file.hpp"
-#include "stages/progress_line.hpp"
 
 namespace bouncelab::stages {
 namespace {
@@ -91,13 +90,6 @@ fit::RestitutionConfig restitution_config(const RestitutionOptions& options) {
   return config;
 }
 
-std::string text_of(const fit::RestitutionCounts& counts, const fit::RestitutionConfig& config) {
-  return describe(counts) + "\n" +
-         (config.ball ? "ball: " + bouncelab::describe(*config.ball) +
-                            (config.plate ? " on " + plate_text(*config.plate) : std::string()) + "\n"
-                      : std::string());
-}
-
 Object summary_of(const fit::RestitutionCounts& counts, const fit::RestitutionConfig& config) {
   Object summary = object_of(counts);
   summary.emplace_back("ball", value_of(config.ball));
@@ -105,22 +97,24 @@ Object summary_of(const fit::RestitutionCounts& counts, const fit::RestitutionCo
   return summary;
 }
 
-Stage<fit::RestitutionCounts> run_restitution(const RestitutionOptions& options, const Run& run) {
+Outcome run_restitution(const RestitutionOptions& options, const Run& run) {
   std::vector<std::filesystem::path> inputs(options.onsets.begin(), options.onsets.end());
   inputs.emplace_back(options.positions);
   check_files(run, with_onsets_beside(inputs), {options.out});
   const fit::RestitutionConfig config = restitution_config(options);
-  Stage<fit::RestitutionCounts> stage;
-  Outcome& outcome = stage.outcome;
+  Outcome outcome;
   inputs.pop_back();
   inputs = each_once(inputs, run.common.n_threads, "onsets", outcome.notes);
   TableWriter samples(run, options.out);
   std::vector<std::string> taken_for;
-  const fit::RestitutionCounts& counts = stage.result =
+  const fit::RestitutionCounts counts =
       restitution_of_files(inputs, config, options.foreign, samples, taken_for, outcome.notes);
   inputs = with_onsets_beside(std::move(inputs));
   if (!options.positions.empty()) inputs.emplace_back(options.positions);
-  outcome.text = lines_of(taken_for) + text_of(counts, config);
+  outcome.text = lines_of(taken_for) + describe(counts) + "\n";
+  if (config.ball)
+    outcome.text +=
+        "ball: " + bouncelab::describe(*config.ball) + (config.plate ? " on " + plate_text(*config.plate) : "") + "\n";
   outcome.notes = joined(outcome.notes, report::notes_of(counts, config));
   outcome.result = summary_of(counts, config);
   samples.finish(inputs);
@@ -128,102 +122,24 @@ Stage<fit::RestitutionCounts> run_restitution(const RestitutionOptions& options,
     outcome.exit_code = kNotUsable;
     outcome.error = input_name(options.onsets.front()) + ": no three successive impacts: no coefficient of restitution";
   }
-  return stage;
+  return outcome;
 }
 
 namespace {
 
-std::string with_error(const fit::Estimate& e) {
-  return fit::in_words(e.value, e.se) + (e.identified ? "" : " (not identifiable)");
-}
-
-/// How far a recording is off the curve of all, in standard errors.
-double distance(const fit::RecordingFit& row) {
-  return row.offset && row.offset->se && *row.offset->se > 0.0 ? std::abs(row.offset->value) / *row.offset->se : 0.0;
-}
-
-std::string describe(const fit::RecordingFit& row) {
-  std::string text =
-      fmt::format("  {}: {} samples", row.recording.empty() ? "(no name)" : printable(row.recording), row.n);
-  for (const fit::NodeEstimate& node : row.nodes)
-    text += fmt::format(", ε({:.3g} m/s) = {}", node.v_mps, with_error(node.eps));
-  if (row.nodes.empty() && row.why) text += "; " + report::in_words(*row.why);
-  return text + "\n";
-}
-
-/// Whether the recordings agree, and a line for each; of many those that are furthest off.
-std::string describe(const fit::Recordings& recordings, bool with_memory) {
-  constexpr std::size_t kMostLines = 20;
-  if (recordings.rows.empty()) return {};
-  std::vector<const fit::RecordingFit*> rows;
-  for (const fit::RecordingFit& row : recordings.rows) rows.push_back(&row);
-  if (rows.size() > kMostLines)
-    std::stable_sort(rows.begin(), rows.end(),
-                     [](const auto* a, const auto* b) { return distance(*a) > distance(*b); });
-  // where they do not agree, a warning says it
-  std::string text = (disagree(recordings) ? "each recording alone" : report::in_words(recordings)) +
-                     (with_memory ? "; impacts taken as independent:\n" : ":\n");
-  for (std::size_t k = 0; k < std::min(rows.size(), kMostLines); ++k) text += describe(*rows[k]);
-  if (rows.size() > kMostLines)
-    text += fmt::format("  ... and {} more that differ less; all are in the results under \"recordings\"\n",
-                        rows.size() - kMostLines);
-  return text;
-}
-
-/// ε(v) at the nodes and the constants of the law.
-std::string describe_curve(const fit::FitResult& result) {
-  std::string text;
-  if (result.curve)
-    for (const fit::CurveNode& node : result.curve->nodes)
-      text += fmt::format("ε({:.3g} m/s) = {}\n", node.v_mps, with_error(node.eps));
-  // what the impacts say when they are taken as independent, behind what the fit with memory says
-  const bool with_memory = result.constants.with_memory;
-  const std::vector<fit::NamedEstimate>& constants = result.constants.parameters;
-  for (std::size_t k = 0; k < constants.size(); ++k)
-    if (constants[k].estimate.identified)
-      text += fmt::format(
-          "{} = {}{}\n", constants[k].name, with_error(constants[k].estimate),
-          with_memory ? "; impacts taken as independent: " + with_error(result.law.parameters[k].estimate) : "");
-  if (const auto& gamma = result.constants.gamma)
-    text += fmt::format("gamma = {}{}\n", with_error(*gamma), with_memory ? ", impacts taken as independent" : "");
-  return text;
-}
-
-/// Nothing where memory was not asked for; where it does not hold a warning says so.
-std::string describe(const std::optional<fit::MemoryFit>& memory) {
-  if (!memory || !memory->holds) return {};
-  return report::in_words(*memory) + "\nroughness: " + report::in_words(memory->roughness) + "\n";
-}
-
-/// Slopes of the two exponentials in a window of speeds, and their ratio.
-std::string describe(const fit::HistogramFit& h) {
-  if (!h.slope_rising || !h.slope_falling) return {};
-  std::string ratio;
-  if (h.slope_ratio && h.slope_ratio->ci95)
-    ratio = fmt::format(", falling / rising {:.2f} (95 %: {:.3f} to {:.3f})", h.slope_ratio->value,
-                        h.slope_ratio->ci95->lo, h.slope_ratio->ci95->hi);
-  return fmt::format("p(ε) at {:.2g} m/s: slopes {} rising, {} falling{}\n", h.v_mps, with_error(*h.slope_rising),
-                     with_error(*h.slope_falling), ratio);
-}
-
-/// The result in a few lines, for people.
-std::string describe(const fit::FitResult& result) {
-  std::string text = fmt::format("{} samples used; constants of the law: {}\n", result.n_used,
-                                 result.constants.why ? report::in_words(*result.constants.why) : "ok");
-  text += describe_curve(result) + describe(result.memory);
-  for (const fit::HistogramFit& h : result.histograms) text += describe(h);
-  return text + describe(result.recordings, memory_holds(result));
-}
-
 std::string more_files(std::size_t n) { return n > 1 ? fmt::format(" and {} more", n - 1) : ""; }
 
-}  // namespace
-
-std::string answer_text(const report::PlainAnswer& answer) {
-  std::string text;
-  for (const std::string& sentence : answer.sentences) text += sentence + "\n";
-  return text + (answer.doubt.empty() ? "" : answer.doubt + "\n");
+/// Several recordings, a line each; of many those in front.
+std::string rows_of(const report::PlainAnswer& answer) {
+  constexpr std::size_t kMostLines = 20;
+  const auto& rows = answer.recordings;
+  std::string text = !rows.empty() && answer.at ? "Each recording alone:\n" : "";
+  for (std::size_t k = 0; k < std::min(rows.size(), kMostLines); ++k) text += "  " + report::in_words(rows[k]) + "\n";
+  if (rows.size() > kMostLines) text += fmt::format("  ... and {} more, in the results\n", rows.size() - kMostLines);
+  return text;
 }
+
+}  // namespace
 
 fit::FitConfig fit_config(const FitOptions& options, const CommonOptions& common) {
   fit::FitConfig config = options.config;
@@ -236,10 +152,17 @@ void leave_out_given(const Given& given, std::vector<report::Taken>& taken) {
   std::erase_if(taken, [&](const report::Taken& one) { return given.contains(one.what); });
 }
 
+std::string answer_text(const report::FitInWords& words, const std::string& of_recordings) {
+  const std::string taken = report::in_words(words.taken);
+  return lines_of(words.answer.sentences) + rows_of(words.answer) + of_recordings +
+         (taken.empty() ? "" : taken + "\n") + (words.answer.doubt.empty() ? "" : words.answer.doubt + "\n");
+}
+
 Outcome fit_outcome(const fit::FitResult& result, const report::FitInWords& words, const std::string& samples) {
   Outcome outcome;
-  const std::string taken = report::in_words(words.taken);
-  outcome.text = answer_text(words.answer) + (taken.empty() ? "" : taken + "\n") + "\n" + describe(result);
+  outcome.text = answer_text(words, "");
+  for (const report::Finding& finding : words.findings)
+    outcome.text += "\n" + finding.question + "\n" + finding.answer + "\n";
   outcome.notes = words.notes;
   if (result.curve) return outcome;
   outcome.exit_code = kNotUsable;
@@ -260,7 +183,7 @@ void note_other_ball(const RestitutionSamples& samples, const BallChoice& world,
                      "the samples are of " + to_text(*other->conditions.ball) + ", --ball is " + to_text(*ball)});
 }
 
-Stage<fit::FitResult> run_fit(const FitOptions& options, const Run& run) {
+Outcome run_fit(const FitOptions& options, const Run& run) {
   check_files(run, {options.samples.begin(), options.samples.end()}, {options.out, options.table, options.histograms});
   const std::vector<std::filesystem::path> files(options.samples.begin(), options.samples.end());
   std::vector<std::string> taken_for;
@@ -282,11 +205,8 @@ Stage<fit::FitResult> run_fit(const FitOptions& options, const Run& run) {
   if (!options.histograms.empty()) write_table(run, options.histograms, fit::histogram_table(result.histograms), files);
   Outcome outcome = fit_outcome(result, words, input_name(files.front()) + more_files(files.size()));
   outcome.text = lines_of(taken_for) + outcome.text;
-  if (result.dem_export && !options.out.empty())
-    outcome.text +=
-        "in LIGGGHTS, LAMMPS, Yade, MercuryDPM, C++, Python: bouncelab dem " + options.out + " --code lammps\n";
   outcome.result = all;
-  return {std::move(outcome), std::move(result)};
+  return outcome;
 }
 
 namespace {

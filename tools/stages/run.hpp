@@ -12,6 +12,7 @@
 
 #include "bouncelab/core/description.hpp"
 #include "bouncelab/core/note.hpp"
+#include "bouncelab/core/parallel.hpp"
 #include "bouncelab/loop/sweep.hpp"
 #include "stage_options/section.hpp"
 
@@ -84,11 +85,21 @@ inline std::vector<Note> joined(std::vector<Note> notes, const std::vector<Note>
   return notes;
 }
 
-/// The result of a command that is a stage of `analyze` or `loop`, with the values that later stages need.
-template <class Result>
-struct Stage {
-  Outcome outcome;
-  Result result;
-};
+/// From now on the next progress call after Ctrl-C, SIGTERM or SIGHUP throws Interrupted; a second signal, more than
+/// 0.2 s later, ends the program at once. A limit of the size of files, and a pipe that nobody reads, make writing
+/// fail.
+void notice_signals();
+
+/// A line on standard error with work done, rate and time left, where that is a terminal and --quiet was not given;
+/// nothing otherwise; run.on_progress where that is set. Either way the callback throws Interrupted once the user asked
+/// to stop.
+/// @param label  what is being done ("simulate")
+/// @param unit   what is counted ("drops", "s of sound")
+ProgressCallback progress_line(const Run& run, const std::string& label, const std::string& unit);
+
+/// The same for the stages of a loop.
+StageProgress stage_progress(const Run& run);
+/// For the stages of a loop: shows nothing, throws Interrupted once the user asked to stop.
+ProgressCallback interrupts_only(const std::string& label, const std::string& unit);
 
 }  // namespace bouncelab::stages

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "stages/simulate.hpp"
+#include "stages/stages.hpp"
 
 #include <fmt/format.h>
 
@@ -10,7 +10,6 @@
 #include "bouncelab/loop/loop_score.hpp"
 #include "bouncelab/sim/sim.hpp"
 #include "stages/files/table_file.hpp"
-#include "stages/progress_line.hpp"
 
 namespace bouncelab::stages {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "stages/simulate.hpp"
+#include "stages/stages.hpp"
 
 #include <fmt/format.h>
 
@@ -13,8 +13,7 @@
 #include <string_view>
 #include <utility>
 
-#include "bouncelab/audio/audio_writer.hpp"
-#include "bouncelab/core/child_process.hpp"
+#include "bouncelab/audio/sound_file.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/files.hpp"
 #include "bouncelab/core/impacts.hpp"
@@ -24,7 +23,6 @@
 #include "stages/files/provenance.hpp"
 #include "stages/files/scratch_folder.hpp"
 #include "stages/files/table_file.hpp"
-#include "stages/progress_line.hpp"
 
 namespace bouncelab::stages {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "stages/validate.hpp"
+#include "stages/stages.hpp"
 
 #include <fmt/format.h>
 
@@ -18,8 +18,6 @@
 #include "bouncelab/report/page.hpp"
 #include "stages/files/provenance.hpp"
 #include "stages/files/table_file.hpp"
-#include "stages/progress_line.hpp"
-#include "stages/simulate.hpp"
 #include "stages/validate/cases.hpp"
 
 namespace bouncelab::stages {

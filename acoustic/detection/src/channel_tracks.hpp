@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "bouncelab/audio/audio_reader.hpp"
+#include "bouncelab/audio/sound_file.hpp"
 #include "bouncelab/core/parallel.hpp"
 #include "candidates/candidates.hpp"
 #include "model_number.hpp"

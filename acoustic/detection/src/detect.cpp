@@ -8,8 +8,7 @@
 #include <system_error>
 #include <utility>
 
-#include "bouncelab/audio/audio_reader.hpp"
-#include "bouncelab/core/child_process.hpp"
+#include "bouncelab/audio/sound_file.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/files.hpp"
 #include "bouncelab/core/numerics.hpp"

@@ -90,17 +90,8 @@ struct Sequence {
   }
 };
 
-/// With the drops by --columns drop=..., a column called drop, or blank lines. @throws FileError, AmbiguousTable
-Sequence numbers_of(const ForeignTable& table, const Selection& selection);
-/// "column 'Time (s)', ';' between, decimal comma"
-std::string source_in_words(const ForeignTable& table, const Selection& selection);
-
-/// Whole numbers from 0 or 1 on: of the rows, the bounces, the drops.
-bool numbers_rows(const ForeignTable& table, std::size_t column);
 /// Do the numbers rise from row to row, or in each drop again, for three impacts or more?
 bool rises(const Sequence& sequence);
-/// Does every part rise, or every part fall, over three numbers or more?
-bool goes_one_way(const Sequence& sequence);
 /// Is each step as long as the first, within the rounding?
 bool has_equal_steps(const Sequence& sequence);
 
@@ -117,11 +108,5 @@ std::vector<Reading> readings_of(const Sequence& sequence, const std::vector<con
                                  const ForeignOptions& options, const std::string& columns);
 /// Which columns or rows are read. @throws FileError, AmbiguousTable
 Selection selection_of(const ForeignTable& table);
-
-/// Asks about columns that may tell more than is read: blocks ("1 1 1 2 2 2") that are not the drops found, words in
-/// some rows. @throws FileError: a column names another unit
-/// @param drop_of_value  of each number of the sequence
-void check_others(const ForeignTable& table, const Selection& selection, const Sequence& sequence,
-                  const TitleUnit& unit, const std::vector<std::int64_t>& drop_of_value);
 
 }  // namespace bouncelab

@@ -56,8 +56,7 @@ double behind_midnight(double clock_s, double before_s) {
   return before_s < 2.0 * kDay_s && back_s > kDay_s - kLongestFlight_s && back_s < kDay_s ? clock_s + kDay_s : clock_s;
 }
 
-}  // namespace
-
+/// With the drops by --columns drop=..., a column called drop, or blank lines. @throws FileError, AmbiguousTable
 Sequence numbers_of(const ForeignTable& table, const Selection& selection) {
   const std::vector<std::size_t>& columns = selection.columns;
   const bool by_rows = selection.by_rows;
@@ -111,6 +110,7 @@ Sequence numbers_of(const ForeignTable& table, const Selection& selection) {
   return sequence;
 }
 
+/// "column 'Time (s)', ';' between, decimal comma"
 std::string source_in_words(const ForeignTable& table, const Selection& selection) {
   const std::size_t n = selection.by_rows ? table.rows.size() : selection.columns.size();
   std::string text = n > 1                  ? std::to_string(n) + (selection.by_rows ? " rows" : " columns")
@@ -120,56 +120,6 @@ std::string source_in_words(const ForeignTable& table, const Selection& selectio
   if (const std::string format = format_in_words(table); !format.empty()) text += (text.empty() ? "" : ", ") + format;
   return text;
 }
-
-bool numbers_rows(const ForeignTable& table, std::size_t column) {
-  std::optional<double> first;
-  for (const ForeignTable::Row& row : table.rows)
-    if (const auto number = table.number(row, column)) {
-      if (number->value != std::floor(number->value)) return false;
-      if (!first) first = number->value;
-    }
-  return first && (*first == 0.0 || *first == 1.0);
-}
-
-bool rises(const Sequence& sequence) {
-  if (sequence.values.empty()) return false;
-  constexpr std::size_t kLeast = 3;
-  std::size_t n = 1;
-  for (std::size_t k = 1; k < sequence.values.size(); ++k) {
-    const NumberCell* before = sequence.before(k);
-    if (before && sequence.values[k].number.value >= before->value) {
-      ++n;
-      continue;
-    }
-    if (before && (n < kLeast || sequence.has_drops)) return false;
-    n = 1;
-  }
-  return sequence.has_drops || sequence.values.back().part > 0 || n >= kLeast || n == sequence.values.size();
-}
-
-bool goes_one_way(const Sequence& sequence) {
-  std::size_t n_up = 0, n_down = 0, n = 0, n_parts = 0;
-  for (std::size_t k = 0; k < sequence.values.size(); ++k) {
-    const NumberCell* before = sequence.before(k);
-    ++(before ? n : n_parts);
-    n_up += before && sequence.values[k].number.value > before->value ? 1 : 0;
-    n_down += before && sequence.values[k].number.value < before->value ? 1 : 0;
-  }
-  return n > 0 && n >= 2 * n_parts && (n == n_up || n == n_down);
-}
-
-bool has_equal_steps(const Sequence& sequence) {
-  const auto& values = sequence.values;
-  if (values.size() < 3) return false;
-  const double step = values[1].number.value - values[0].number.value;
-  for (std::size_t k = 1; k < values.size(); ++k)
-    if (std::abs(values[k].number.value - values[k - 1].number.value - step) >
-        0.1 * step + 2.0 * (values[k - 1].number.rounding + values[k].number.rounding))
-      return false;
-  return step > 0.0;
-}
-
-namespace {
 
 /// What a column says of the rows: each block is of rows that belong together.
 struct Marks {
@@ -221,8 +171,9 @@ void check_units(const ForeignTable& table, std::size_t column, const TitleUnit&
                  "; write all numbers in one unit, and this unit in their title: Time (" + other->cells[column] + ")");
 }
 
-}  // namespace
-
+/// Asks about columns that may tell more than is read: blocks ("1 1 1 2 2 2") that are not the drops found, words in
+/// some rows. @throws FileError: a column names another unit
+/// @param drop_of_value  of each number of the sequence
 void check_others(const ForeignTable& table, const Selection& selection, const Sequence& sequence,
                   const TitleUnit& unit, const std::vector<std::int64_t>& drop_of_value) {
   const auto& values = sequence.values;
@@ -264,8 +215,6 @@ void check_others(const ForeignTable& table, const Selection& selection, const S
         std::move(readings));
   }
 }
-
-namespace {
 
 /// What the numbers are: --as, or what they prove.
 std::string meaning_of(const ForeignTable& table, const Selection& selection, const Sequence& sequence) {

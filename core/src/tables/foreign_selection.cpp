@@ -10,6 +10,33 @@
 
 namespace bouncelab {
 
+bool rises(const Sequence& sequence) {
+  if (sequence.values.empty()) return false;
+  constexpr std::size_t kLeast = 3;
+  std::size_t n = 1;
+  for (std::size_t k = 1; k < sequence.values.size(); ++k) {
+    const NumberCell* before = sequence.before(k);
+    if (before && sequence.values[k].number.value >= before->value) {
+      ++n;
+      continue;
+    }
+    if (before && (n < kLeast || sequence.has_drops)) return false;
+    n = 1;
+  }
+  return sequence.has_drops || sequence.values.back().part > 0 || n >= kLeast || n == sequence.values.size();
+}
+
+bool has_equal_steps(const Sequence& sequence) {
+  const auto& values = sequence.values;
+  if (values.size() < 3) return false;
+  const double step = values[1].number.value - values[0].number.value;
+  for (std::size_t k = 1; k < values.size(); ++k)
+    if (std::abs(values[k].number.value - values[k - 1].number.value - step) >
+        0.1 * step + 2.0 * (values[k - 1].number.rounding + values[k].number.rounding))
+      return false;
+  return step > 0.0;
+}
+
 TitleUnit unit_called(const std::string& name) {
   return unit_of_title("x (" + name + ")").value_or(TitleUnit{Dimension::speed, 0.0, name, {}});
 }
@@ -52,6 +79,29 @@ std::vector<Reading> readings_of(const Sequence& sequence, const std::vector<con
 }
 
 namespace {
+
+/// Whole numbers from 0 or 1 on: of the rows, the bounces, the drops.
+bool numbers_rows(const ForeignTable& table, std::size_t column) {
+  std::optional<double> first;
+  for (const ForeignTable::Row& row : table.rows)
+    if (const auto number = table.number(row, column)) {
+      if (number->value != std::floor(number->value)) return false;
+      if (!first) first = number->value;
+    }
+  return first && (*first == 0.0 || *first == 1.0);
+}
+
+/// Does every part rise, or every part fall, over three numbers or more?
+bool goes_one_way(const Sequence& sequence) {
+  std::size_t n_up = 0, n_down = 0, n = 0, n_parts = 0;
+  for (std::size_t k = 0; k < sequence.values.size(); ++k) {
+    const NumberCell* before = sequence.before(k);
+    ++(before ? n : n_parts);
+    n_up += before && sequence.values[k].number.value > before->value ? 1 : 0;
+    n_down += before && sequence.values[k].number.value < before->value ? 1 : 0;
+  }
+  return n > 0 && n >= 2 * n_parts && (n == n_up || n == n_down);
+}
 
 /// --columns with these columns, and what was told of drops.
 std::string with_drops(const ForeignTable& table, const Selection& selection) {

@@ -17,12 +17,6 @@ namespace {
 
 constexpr std::string_view kBlanks = " \t\r";
 
-std::string_view trimmed(std::string_view text, std::string_view unwanted) {
-  const std::size_t first = text.find_first_not_of(unwanted);
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(unwanted) - first + 1);
-}
-
 /// Half a unit of the last digit of 12.50e-3: 5e-6.
 double rounding_of(std::string_view number) {
   const std::size_t exponent_at = std::min(number.find_first_of("eE"), number.size());

@@ -17,10 +17,8 @@ using Kind = Member::Kind;
 /// Absent where the text is not one decimal number that T holds, with or without a sign.
 template <class T>
 std::optional<T> decimal(std::string_view text) {
-  if (text.size() > 1 && text.front() == '+' && text[1] != '-') text.remove_prefix(1);
   T value{};
-  const auto [end, status] = bouncelab::from_chars(text.data(), text.data() + text.size(), value);
-  if (status != std::errc{} || end != text.data() + text.size()) return std::nullopt;
+  if (parse_number(text, value) != std::errc{}) return std::nullopt;
   if constexpr (std::is_floating_point_v<T>)
     if (!std::isfinite(value)) return std::nullopt;
   return value;

@@ -2,18 +2,60 @@
 #pragma once
 
 #include <Eigen/Core>
+
 #include <algorithm>
 #include <cstddef>
+#include <optional>
 #include <utility>
 #include <vector>
 
-#include "curve/noise.hpp"
-#include "curve/normal_sum.hpp"
-#include "curve/release.hpp"
-#include "curve/slopes.hpp"
+#include "bouncelab/core/samples.hpp"
+#include "bouncelab/fit/curve.hpp"
+#include "bouncelab/fit/estimate.hpp"
+#include "bouncelab/fit/law_fit.hpp"
+#include "curve/curve_at.hpp"
+#include "curve/plate_samples.hpp"
 #include "curve/smooth_curve.hpp"
+#include "restitution/air_and_contact.hpp"
 
 namespace bouncelab::fit {
+
+/// Probability of a standard normal below z.
+double normal_below(double z);
+
+/// One normal distribution of a sum of them.
+struct NormalPart {
+  double weight = 0.0, mean = 0.0, sd = 0.0;
+};
+
+/// Quantiles of the sum: the median, 68.27 and 95 % intervals, and half the former as standard error.
+/// @param parts      weights need not add up to 1
+/// @param lo, hi     between which the quantity lies: the normals are cut off there, unless all lie beyond
+Estimate estimate_of(const std::vector<NormalPart>& parts, double lo, double hi);
+
+/// Samples of impact 1 of nearly one speed. The flight before them was launched by impact 0, the first of the drop.
+struct FirstFlights {
+  double v_mps = 0.0, eps = 0.0;  ///< of one of them, g T/2 and T'/T
+  RestitutionSamples samples;
+};
+
+/// Of all samples of impact 1, those within a hundredth together: the height over v^2 is one for them.
+std::vector<FirstFlights> first_flights(const RestitutionSamples& samples);
+
+/// The speed of the impact that they began with, nearly: by the eps of the impact that ended them.
+double speed_of_first_impact(const FirstFlights& flights);
+
+/// Logarithm of the height of release. The launch u follows from the flight, the speed of
+/// impact 0 is w = u/eps, and a fall through the air from the height lands with it.
+/// @param eps  of impact 0
+double ln_release_height(const FirstFlights& flights, const OneAirAndContact& one, double eps);
+
+/// Heights of the drops of one speed. @param ln_height  that of `flights.v_mps`
+void add_heights(const FirstFlights& flights, const Estimate& ln_height, std::vector<ReleaseHeight>& heights);
+
+/// The rule of the named ball's sport, and the speed with which it falls; absent where no sample is nearly so fast, or
+/// none so slow: in speed a twentieth, in height a tenth, over which eps hardly changes.
+std::optional<Rebound> rebound_within(const RestitutionSamples& samples, const AirAndContact& known);
 
 /// One normal distribution of the sum.
 struct SmoothCurve::Term {

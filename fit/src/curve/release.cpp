@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "curve/release.hpp"
 
 #include <algorithm>
 #include <cmath>

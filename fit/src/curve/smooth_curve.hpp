@@ -8,11 +8,12 @@
 #include "bouncelab/core/samples.hpp"
 #include "bouncelab/fit/curve.hpp"
 #include "curve/curve_at.hpp"
-#include "curve/release.hpp"
 #include "law/law_model.hpp"
 #include "restitution/air_and_contact.hpp"
 
 namespace bouncelab::fit {
+
+struct FirstFlights;
 
 /// What a parametric law is beside the curve.
 struct LawBeside {

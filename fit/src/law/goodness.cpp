@@ -9,7 +9,7 @@
 #include "bouncelab/core/numerics.hpp"
 #include "bouncelab/core/parallel.hpp"
 #include "bouncelab/core/random.hpp"
-#include "numerics/distributions.hpp"
+#include "numerics/numerics.hpp"
 
 namespace bouncelab::fit {
 

@@ -14,7 +14,7 @@
 #include "law/law_likelihood.hpp"
 #include "law/law_model.hpp"
 #include "law/law_search.hpp"
-#include "numerics/maximise.hpp"
+#include "numerics/numerics.hpp"
 
 namespace bouncelab::fit {
 namespace {

@@ -10,7 +10,7 @@
 #include "bouncelab/core/text.hpp"
 #include "law/goodness.hpp"
 #include "law/intervals.hpp"
-#include "numerics/linalg.hpp"
+#include "numerics/numerics.hpp"
 
 namespace bouncelab::fit {
 namespace {

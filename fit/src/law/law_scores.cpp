@@ -4,7 +4,7 @@
 
 #include "bouncelab/core/elementary.hpp"
 #include "law/law_likelihood.hpp"
-#include "numerics/linalg.hpp"
+#include "numerics/numerics.hpp"
 
 // What is asked of every sample or drop at the maximum: probabilities, scores, expected information.
 

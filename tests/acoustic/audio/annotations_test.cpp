@@ -13,7 +13,7 @@
 #include <span>
 #include <string>
 
-#include "bouncelab/audio/audio_writer.hpp"
+#include "bouncelab/audio/sound_file.hpp"
 #include "bouncelab/core/onsets.hpp"
 #include "support/refusal.hpp"
 #include "support/temporary_folder.hpp"

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "bouncelab/audio/audio_reader.hpp"
+#include "bouncelab/audio/sound_file.hpp"
 #include "support/modal_sound.hpp"
 #include "whitening/whitening.hpp"
 

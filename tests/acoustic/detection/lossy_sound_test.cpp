@@ -9,8 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "bouncelab/audio/dsp/kernels.hpp"
-#include "bouncelab/audio/dsp/real_fft.hpp"
+#include "bouncelab/audio/dsp.hpp"
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/random.hpp"
 #include "bouncelab/detection/detect.hpp"

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "bouncelab/audio/dsp/kernels.hpp"
+#include "bouncelab/audio/dsp.hpp"
 #include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/random.hpp"
@@ -41,24 +41,6 @@ std::vector<float> modes(double start, const std::vector<double>& phases) {
 }
 
 const std::vector<double> kNoPhases(8, 0.0);
-
-TEST(Products, AFilterThatDecimatesIsThePlainSumAtEveryPlaceAndTheSameBitsAtEach) {
-  constexpr std::size_t kFactor = 11;
-  const std::vector<float> taps = noise(48, 1);
-  for (const std::size_t n : {1U, 4U, 7U, 32U}) {
-    const std::vector<float> x = noise(kFactor * (n - 1) + taps.size(), n);
-    std::vector<float> out(n);
-    audio::filter_and_decimate(x, kFactor, taps, out);
-    for (std::size_t k = 0; k < n; ++k) {
-      double sum = 0.0;
-      for (std::size_t j = 0; j < taps.size(); ++j) sum += static_cast<double>(taps[j]) * x[kFactor * k + j];
-      EXPECT_NEAR(out[k], sum, 1e-4);
-      float alone = 0.0F;
-      audio::filter_and_decimate(std::span(x).subspan(kFactor * k), kFactor, taps, std::span(&alone, 1));
-      EXPECT_EQ(out[k], alone);
-    }
-  }
-}
 
 TEST(Products, CorrelateIsThePlainSumAndTheSameBytesWhereverAnOutputStands) {
   // with and without wide registers: the last of 100 outputs are computed by a whole register that overlaps the one

@@ -9,7 +9,7 @@
 #include <optional>
 #include <vector>
 
-#include "bouncelab/audio/audio_reader.hpp"
+#include "bouncelab/audio/sound_file.hpp"
 #include "bouncelab/core/random.hpp"
 #include "support/modal_sound.hpp"
 #include "whitening/whitening.hpp"

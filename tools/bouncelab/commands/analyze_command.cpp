@@ -7,18 +7,17 @@
 #include <filesystem>
 #include <optional>
 
-#include "bouncelab/core/child_process.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/files.hpp"
 #include "bouncelab/core/parallel.hpp"
 #include "bouncelab/core/text.hpp"
+#include "bouncelab/loop/analyze.hpp"
 #include "bouncelab/report/notes.hpp"
 #include "stages/files/foreign_files.hpp"
 #include "stages/files/provenance.hpp"
 #include "stages/files/sample_files.hpp"
 #include "stages/files/table_file.hpp"
-#include "stages/progress_line.hpp"
-#include "stages/report.hpp"
+#include "stages/stages.hpp"
 
 namespace bouncelab::cli {
 namespace {
@@ -58,119 +57,96 @@ void write_files(const loop::Analysis& found, const report::FitInWords& words, c
   write_json(run, folder / "diagnostics.json", Object{{"recordings", value_of(found.details)}}, -1, recordings);
 }
 
-}  // namespace
+/// What was read or heard of the files.
+struct Read {
+  loop::Analysis found;
+  std::vector<fs::path> inputs;  ///< that could be read
+  Outcome outcome;               ///< text, notes, what went wrong
+  bool is_answered = true;       ///< there is something to write
+};
 
-loop::AnalyzeConfig analyze_config(const AnalyzeOptions& options, const CommonOptions& common) {
-  return {options.detect.config, restitution_config(options.restitution), fit_config(options.fit, common),
-          options.diagnostics, kMayStartChildBesideThreads ? resolved_threads(common.n_threads) : 1};
+Read read_sound(const std::vector<fs::path>& files, const loop::AnalyzeConfig& config, std::vector<Note> notes,
+                const Run& run) {
+  Read read;
+  // the checksums of the provenance while the sound is searched, as a thread has time for them
+  parallel_for(2, config.n_threads, [&](std::size_t work) {
+    if (work == 1) return compute_sha256_ahead(files, config.n_threads);
+    read.found = loop::analyze(files, config, stage_progress(run));
+  });
+  read.outcome = detection_outcome(read.found.recordings, std::move(notes));
+  read.is_answered = first_found(read.found.recordings) != nullptr;
+  if (read.is_answered) read.outcome.text.clear();
+  read.inputs = readable_of(read.found.recordings);
+  return read;
 }
 
-namespace {
-
-/// Several recordings, a line each; of many those in front.
-std::string rows_of(const report::PlainAnswer& answer) {
-  constexpr std::size_t kMostLines = 20;
-  const auto& rows = answer.recordings;
-  std::string text = !rows.empty() && answer.at ? "Each recording alone:\n" : "";
-  for (std::size_t k = 0; k < std::min(rows.size(), kMostLines); ++k) text += "  " + report::in_words(rows[k]) + "\n";
-  if (rows.size() > kMostLines) text += fmt::format("  ... and {} more, in the report\n", rows.size() - kMostLines);
-  return text;
+/// Times of other programs, or of an earlier `detect`; or speeds that others measured, with coefficients of restitution
+/// or speeds after the bounces.
+Read read_tables(const std::vector<fs::path>& files, const loop::AnalyzeConfig& config,
+                 const ForeignFileOptions& foreign, std::vector<Note> notes, const Run& run) {
+  Read read;
+  std::vector<std::string> taken_for;
+  if (std::all_of(files.begin(), files.end(), [&](const auto& file) { return holds_speeds(file, foreign.table); })) {
+    RestitutionSamples samples =
+        read_sample_files(files, run.common.n_threads, foreign.table.columns, taken_for, notes);
+    name_ball(samples, config.restitution.ball, config.restitution.plate);
+    read.found = loop::analyze_samples(std::move(samples), config, stage_progress(run));
+    read.inputs = files;
+  } else {
+    RecordingNames names;
+    Onsets onsets;
+    for (const fs::path& file : files) {
+      names.begin(file);
+      for (Onset& onset : read_onsets(file, foreign, taken_for)) {
+        onset.recording = names.name(onset.recording);
+        onsets.push_back(std::move(onset));
+      }
+      names.end(notes);
+    }
+    read.found = loop::analyze_times(std::move(onsets), config, stage_progress(run));
+    read.inputs = with_onsets_beside(files);
+    read.is_answered = !read.found.restitution.samples.empty();
+    if (!read.is_answered) {
+      read.outcome.exit_code = kNotUsable;
+      read.outcome.error = input_name(files.front()) + ": no three successive impacts: no coefficient of restitution";
+    }
+  }
+  read.outcome.text = lines_of(taken_for);
+  read.outcome.notes = std::move(notes);
+  return read;
 }
 
-/// The files of an analysis in the folder, and what there is to say of it.
-/// @param files     as they were given. @param inputs  those that could be read
-/// @param detected  of the times: text, notes, what went wrong
-Outcome write_analysis(const loop::Analysis& found, const loop::AnalyzeConfig& config,
-                       const std::vector<fs::path>& files, const std::vector<fs::path>& inputs, const Outcome& detected,
+/// The files of an analysis in the folder, and what there is to say of it. @param files  as they were given
+Outcome write_analysis(const Read& read, const loop::AnalyzeConfig& config, const std::vector<fs::path>& files,
                        const fs::path& folder, const Run& run) {
+  const loop::Analysis& found = read.found;
   report::FitInWords words = report::in_words(found.fit, found.restitution.samples, config.fit.memory);
   if (found.recordings.size() == 1)
     for (report::Taken& one : report::taken_of(found.recordings.front())) words.taken.push_back(std::move(one));
   leave_out_given(run.given, words.taken);
   const Outcome fitted = fit_outcome(found.fit, words, (folder / "samples.csv").string());
   std::vector<Note> notes =
-      joined(joined(report::notes_of(found.restitution.counts, config.restitution), words.notes), detected.notes);
+      joined(joined(report::notes_of(found.restitution.counts, config.restitution), words.notes), read.outcome.notes);
   if (files.size() == 1)  // of one recording nobody needs to be told which
     for (Note& note : notes) note.recording.clear();
   report::order(notes);
   take(notes, words);
-  write_files(found, words, inputs, folder, run);
+  write_files(found, words, read.inputs, folder, run);
   Outcome outcome;
   outcome.result = object_of(found);
   outcome.result.emplace_back("answer", value_of(words.answer));
   outcome.result.emplace_back("taken", value_of(words.taken));
   outcome.result.emplace_back("notes", report::values_of(notes));
   write_json(run, folder / "summary.json", outcome.result, 2, {folder / "fit.json"});
-  const Outcome shown = run_report({folder, folder / "report.html", title_of(files)}, run);
   // the answer, one doubt, where the report is: all notes stand there and in summary.json
-  const std::string taken = report::in_words(words.taken);
-  outcome.text = lines_of(words.answer.sentences) + rows_of(words.answer) + detected.text +
-                 (taken.empty() ? "" : taken + "\n") + (words.answer.doubt.empty() ? "" : words.answer.doubt + "\n") +
-                 shown.text;
-  const bool is_withheld =
-      report::severity_of(notes.empty() ? NoteKind::of_file : notes.front().kind) == Severity::no_answer;
-  outcome.exit_code = std::max({detected.exit_code, fitted.exit_code, is_withheld ? kNotUsable : 0});
+  outcome.text =
+      answer_text(words, read.outcome.text) + run_report({folder, folder / "report.html", title_of(files)}, run).text;
+  const bool is_withheld = !notes.empty() && report::severity_of(notes.front().kind) == Severity::no_answer;
+  outcome.exit_code = std::max({read.outcome.exit_code, fitted.exit_code, is_withheld ? kNotUsable : 0});
   // recordings that were left out are named also where the fit of the others fails
   const std::string unfit = is_withheld ? report::in_words(notes.front()) : fitted.error;
-  outcome.error = detected.error + (detected.error.empty() || unfit.empty() ? "" : "; ") + unfit;
+  outcome.error = read.outcome.error + (read.outcome.error.empty() || unfit.empty() ? "" : "; ") + unfit;
   return outcome;
-}
-
-/// Sound -> times and on.
-Outcome analyze_sound(const std::vector<fs::path>& files, const loop::AnalyzeConfig& config, std::vector<Note> notes,
-                      const fs::path& folder, const Run& run) {
-  loop::Analysis found;
-  // the checksums of the provenance while the sound is searched, as a thread has time for them
-  parallel_for(2, config.n_threads, [&](std::size_t work) {
-    if (work == 1) return compute_sha256_ahead(files, config.n_threads);
-    found = loop::analyze(files, config, stage_progress(run));
-  });
-  Outcome detected = detection_outcome(found.recordings, std::move(notes));
-  if (!first_found(found.recordings)) return detected;
-  detected.text.clear();
-  return write_analysis(found, config, files, readable_of(found.recordings), detected, folder, run);
-}
-
-/// Times of other programs, or of an earlier `detect`, and on.
-Outcome analyze_times(const std::vector<fs::path>& files, const loop::AnalyzeConfig& config,
-                      const ForeignFileOptions& foreign, std::vector<Note> notes, const fs::path& folder,
-                      const Run& run) {
-  Outcome read;
-  std::vector<std::string> taken_for;
-  RecordingNames names;
-  Onsets onsets;
-  for (const fs::path& file : files) {
-    names.begin(file);
-    for (Onset& onset : read_onsets(file, foreign, taken_for)) {
-      onset.recording = names.name(onset.recording);
-      onsets.push_back(std::move(onset));
-    }
-    names.end(notes);
-  }
-  const loop::Analysis found = loop::analyze_times(std::move(onsets), config, stage_progress(run));
-  read.text = lines_of(taken_for);
-  read.notes = std::move(notes);
-  if (found.restitution.samples.empty()) {
-    read.exit_code = kNotUsable;
-    read.error = input_name(files.front()) + ": no three successive impacts: no coefficient of restitution";
-    return read;
-  }
-  return write_analysis(found, config, files, with_onsets_beside(files), read, folder, run);
-}
-
-/// Speeds that others measured, with coefficients of restitution or speeds after the bounces, and on.
-Outcome analyze_speeds(const std::vector<fs::path>& files, const AnalyzeOptions& options,
-                       const loop::AnalyzeConfig& config, std::vector<Note> notes, const fs::path& folder,
-                       const Run& run) {
-  Outcome read;
-  std::vector<std::string> taken_for;
-  RestitutionSamples samples =
-      read_sample_files(files, run.common.n_threads, options.restitution.foreign.table.columns, taken_for, notes);
-  name_ball(samples, config.restitution.ball, config.restitution.plate);
-  read.text = lines_of(taken_for);
-  read.notes = std::move(notes);
-  return write_analysis(loop::analyze_samples(std::move(samples), config, stage_progress(run)), config, files, files,
-                        read, folder, run);
 }
 
 /// The report of an earlier analysis of these recordings, which nobody has touched: it may be replaced unasked.
@@ -195,20 +171,19 @@ Outcome run_analyze(const AnalyzeOptions& options, const Run& asked) {
   check_files(run, with_onsets_beside(given), outputs);
   std::vector<Note> notes;
   const std::vector<fs::path> files = each_once(given, run.common.n_threads, "recording", notes);
-  const loop::AnalyzeConfig config = analyze_config(options, run.common);
+  const loop::AnalyzeConfig config{options.detect.config, restitution_config(options.restitution),
+                                   fit_config(options.fit, run.common), options.diagnostics,
+                                   kMayStartChildBesideThreads ? resolved_threads(run.common.n_threads) : 1};
   const auto is_times = [&](const fs::path& file) {
     return holds_times(file, options.detect.config.rate_hz.has_value());
   };
   const auto n_times = std::count_if(files.begin(), files.end(), is_times);
-  if (n_times == 0) return analyze_sound(files, config, std::move(notes), folder, run);
-  if (n_times < std::ssize(files))
+  if (n_times > 0 && n_times < std::ssize(files))
     throw InvalidArgument(std::find_if(files.begin(), files.end(), is_times)->string() +
                           ": holds times, other files hold sound; analyze one kind at a time");
-  const ForeignFileOptions& foreign = options.restitution.foreign;
-  const auto n_speeds = std::count_if(files.begin(), files.end(),
-                                      [&](const fs::path& file) { return holds_speeds(file, foreign.table); });
-  if (n_speeds == std::ssize(files)) return analyze_speeds(files, options, config, std::move(notes), folder, run);
-  return analyze_times(files, config, foreign, std::move(notes), folder, run);
+  const Read read = n_times == 0 ? read_sound(files, config, std::move(notes), run)
+                                 : read_tables(files, config, options.restitution.foreign, std::move(notes), run);
+  return read.is_answered ? write_analysis(read, config, files, folder, run) : read.outcome;
 }
 
 }  // namespace bouncelab::cli

@@ -14,8 +14,7 @@
 #include "bouncelab/report/page.hpp"
 #include "commands/commands.hpp"
 #include "options/commands.hpp"
-#include "stages/ball_of_files.hpp"
-#include "stages/report.hpp"
+#include "stages/stages.hpp"
 
 namespace bouncelab::cli {
 namespace {

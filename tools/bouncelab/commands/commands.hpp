@@ -4,11 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "bouncelab/loop/analyze.hpp"
-#include "stages/detect.hpp"
 #include "stages/files/foreign_files.hpp"
-#include "stages/fit.hpp"
-#include "stages/run.hpp"
+#include "stages/stages.hpp"
 
 namespace bouncelab::cli {
 
@@ -60,8 +57,6 @@ struct AnalyzeOptions {
   FitOptions fit;
   bool diagnostics = false;  ///< details of each drop in the report
 };
-
-loop::AnalyzeConfig analyze_config(const AnalyzeOptions& options, const CommonOptions& common);
 
 Outcome run_analyze(const AnalyzeOptions& options, const Run& run);
 

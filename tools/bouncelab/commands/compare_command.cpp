@@ -9,7 +9,6 @@
 #include <optional>
 #include <utility>
 
-#include "bouncelab/core/child_process.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/files.hpp"
 #include "bouncelab/core/foreign_table.hpp"
@@ -21,13 +20,10 @@
 #include "bouncelab/report/answer.hpp"
 #include "bouncelab/report/notes.hpp"
 #include "bouncelab/report/page.hpp"
-#include "stages/ball_of_files.hpp"
-#include "stages/detect.hpp"
 #include "stages/files/foreign_files.hpp"
 #include "stages/files/sample_files.hpp"
 #include "stages/files/table_file.hpp"
-#include "stages/progress_line.hpp"
-#include "stages/report.hpp"
+#include "stages/stages.hpp"
 
 namespace bouncelab::cli {
 namespace {

@@ -13,7 +13,7 @@
 #include <utility>
 
 #include "bouncelab/audio/annotations.hpp"
-#include "bouncelab/audio/audio_reader.hpp"
+#include "bouncelab/audio/sound_file.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/files.hpp"
 #include "bouncelab/core/parallel.hpp"

@@ -7,13 +7,7 @@
 #include "bouncelab/core/impacts.hpp"
 #include "bouncelab/synthesis/synthetic_recording.hpp"
 #include "commands/commands.hpp"
-#include "stages/ball_of_files.hpp"
-#include "stages/detect.hpp"
-#include "stages/fit.hpp"
-#include "stages/loop.hpp"
-#include "stages/report.hpp"
-#include "stages/simulate.hpp"
-#include "stages/validate.hpp"
+#include "stages/stages.hpp"
 
 namespace bouncelab::cli {
 namespace {
@@ -199,7 +193,7 @@ Command restitution_command() {
            section_of(*options, "Coefficients of restitution")},
           [options](Run& run) {
             *options = with_conditions_of(options->onsets, *options, run);
-            return run_restitution(*options, run).outcome;
+            return run_restitution(*options, run);
           }};
 }
 
@@ -228,7 +222,7 @@ Command fit_command() {
           {{"", files, options.get()},
            ball_section(options->world, "what the samples say"),
            section_of(options->config, "Fit")},
-          [options](Run& run) { return run_fit(*options, run).outcome; }};
+          [options](Run& run) { return run_fit(*options, run); }};
 }
 
 Command roughness_command() {

@@ -6,11 +6,7 @@
 #include <vector>
 
 #include "bouncelab/fit/restitution.hpp"
-#include "stages/detect.hpp"
-#include "stages/fit.hpp"
-#include "stages/loop.hpp"
-#include "stages/simulate.hpp"
-#include "stages/validate.hpp"
+#include "stages/stages.hpp"
 
 namespace bouncelab::python {
 

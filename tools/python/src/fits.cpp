@@ -13,7 +13,7 @@
 #include "bouncelab/report/page.hpp"
 #include "stages.hpp"
 #include "stages/files/table_file.hpp"
-#include "stages/progress_line.hpp"
+#include "stages/run.hpp"
 #include "work.hpp"
 
 namespace bouncelab::python {

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "arrays.hpp"
-#include "bouncelab/audio/audio_writer.hpp"
+#include "bouncelab/audio/sound_file.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/files.hpp"
 #include "bouncelab/core/foreign_table.hpp"
@@ -20,7 +20,7 @@
 #include "stages/files/foreign_files.hpp"
 #include "stages/files/sample_files.hpp"
 #include "stages/files/table_file.hpp"
-#include "stages/progress_line.hpp"
+#include "stages/run.hpp"
 #include "work.hpp"
 
 namespace bouncelab::python {

@@ -9,8 +9,7 @@
 
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/text.hpp"
-#include "stages/progress_line.hpp"
-#include "stages/simulate.hpp"
+#include "stages/stages.hpp"
 
 namespace bouncelab::stages {
 namespace {

@@ -8,7 +8,7 @@
 #include "bouncelab/core/onsets.hpp"
 #include "bouncelab/loop/detector_score.hpp"
 #include "bouncelab/loop/sweep.hpp"
-#include "stages/validate.hpp"
+#include "stages/stages.hpp"
 
 namespace bouncelab::stages {
 

@@ -9,8 +9,7 @@
 #include <string_view>
 
 #include "bouncelab/audio/annotations.hpp"
-#include "bouncelab/audio/audio_reader.hpp"
-#include "bouncelab/core/child_process.hpp"
+#include "bouncelab/audio/sound_file.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/files.hpp"
 #include "bouncelab/core/parallel.hpp"
@@ -27,7 +26,7 @@ namespace {
 namespace fs = std::filesystem;
 
 /// A line of a text and its numbers, at most three, between blanks; none where it holds anything else.
-struct Line {
+struct LineOfTimes {
   std::string_view text;
   std::vector<double> numbers;
 };
@@ -47,8 +46,8 @@ std::vector<double> numbers_of(std::string_view line) {
 }
 
 /// A line without anything, or that begins with #, is none.
-std::vector<Line> lines_of_times(std::string_view text) {
-  std::vector<Line> lines;
+std::vector<LineOfTimes> lines_of_times(std::string_view text) {
+  std::vector<LineOfTimes> lines;
   while (!text.empty()) {
     const std::string_view line = text.substr(0, text.find('\n'));
     text.remove_prefix(std::min(text.size(), line.size() + 1));
@@ -59,9 +58,9 @@ std::vector<Line> lines_of_times(std::string_view text) {
 }
 
 /// A time on each line, and its standard error where a second number follows. @throws InvalidArgument quoting the line
-Onsets onsets_of_lines(const std::vector<Line>& lines) {
+Onsets onsets_of_lines(const std::vector<LineOfTimes>& lines) {
   Onsets onsets;
-  for (const Line& line : lines) {
+  for (const LineOfTimes& line : lines) {
     if (line.numbers.empty() || line.numbers.size() > 2)
       throw InvalidArgument("'" + printable(std::string(line.text.substr(0, 60))) + "' is no time in seconds");
     Onset& onset = onsets.emplace_back();
@@ -146,12 +145,13 @@ void put_in_order(Onsets& onsets, double duration_s) {
 
 loop::TrueTimes read_times(const fs::path& path, std::vector<std::string>& taken_for) {
   const std::string text = whole_content(readable(path));
-  const std::vector<Line> lines = lines_of_times(text);
+  const std::vector<LineOfTimes> lines = lines_of_times(text);
   loop::TrueTimes times;
   if (lines.empty() || (lines.size() == 1 && lines[0].text.starts_with("t_s"))) return times;
   if (audio::is_own_table(text.substr(0, audio::kHeadOfTimes_bytes))) {
     times = loop::true_times_from_table(read_table(path, loop::true_time_columns()), input_name(path));
-  } else if (std::all_of(lines.begin(), lines.end(), [](const Line& line) { return line.numbers.size() == 1; })) {
+  } else if (std::all_of(lines.begin(), lines.end(),
+                         [](const LineOfTimes& line) { return line.numbers.size() == 1; })) {
     times.onsets = onsets_of_lines(lines);
   } else {
     times.onsets = read_onsets(path, {}, taken_for);
@@ -163,8 +163,8 @@ loop::TrueTimes read_times(const fs::path& path, std::vector<std::string>& taken
 
 Onsets read_marks(const fs::path& path, std::vector<std::string>& taken_for) {
   const std::string text = whole_content(readable(path));
-  const std::vector<Line> lines = lines_of_times(text);
-  const auto n = [](const Line& line) { return line.numbers.size(); };
+  const std::vector<LineOfTimes> lines = lines_of_times(text);
+  const auto n = [](const LineOfTimes& line) { return line.numbers.size(); };
   const bool are_times =
       std::all_of(lines.begin(), lines.end(), [&](auto& line) { return n(line) == 1 || n(line) == 2; });
   const bool are_labels = std::all_of(lines.begin(), lines.end(), [&](auto& line) {  // from begin to end

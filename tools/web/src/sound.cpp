@@ -8,8 +8,7 @@
 #include <limits>
 #include <sstream>
 
-#include "bouncelab/audio/audio_reader.hpp"
-#include "bouncelab/audio/audio_writer.hpp"
+#include "bouncelab/audio/sound_file.hpp"
 #include "bouncelab/core/error.hpp"
 
 namespace bouncelab::web {

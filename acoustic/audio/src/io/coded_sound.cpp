@@ -6,8 +6,8 @@
 #include <sstream>
 #include <system_error>
 
-#include "bouncelab/core/child_process.hpp"
 #include "bouncelab/core/error.hpp"
+#include "bouncelab/core/files.hpp"
 #include "io/sound_header.hpp"
 
 namespace bouncelab::audio {

@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
-#include "bouncelab/audio/audio_reader.hpp"
-#include "bouncelab/audio/dsp/real_fft.hpp"
+#include "bouncelab/audio/dsp.hpp"
+#include "bouncelab/audio/sound_file.hpp"
 #include "bouncelab/core/parallel.hpp"
 #include "model_number.hpp"
 #include "whitening/whitening.hpp"

@@ -182,7 +182,7 @@ std::vector<ExpectedLogEps> expected_log_eps(const TimedImpacts& track, const st
     if (near.size() < 3) continue;
     expected[k].centre = upper_median(std::move(near));
     expected[k].width =
-        std::max(kDelay.least_scatter, 1.4826 * upper_median(around(k, kDelay.scatter_reach, expected[k].centre)));
+        std::max(kDelay.least_scatter, kSdOverMad * upper_median(around(k, kDelay.scatter_reach, expected[k].centre)));
   }
   return expected;
 }

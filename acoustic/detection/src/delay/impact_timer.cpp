@@ -9,7 +9,7 @@
 
 #include <Eigen/Sparse>
 
-#include "bouncelab/audio/dsp/kernels.hpp"
+#include "bouncelab/audio/dsp.hpp"
 #include "bouncelab/core/elementary.hpp"
 #include "delay/timed_impact.hpp"
 #include "template/subband_delay.hpp"

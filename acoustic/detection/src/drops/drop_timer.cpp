@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <map>
 
-#include "bouncelab/audio/dsp/kernels.hpp"
+#include "bouncelab/audio/dsp.hpp"
 #include "bouncelab/core/elementary.hpp"
 #include "contact/contact_time.hpp"
 #include "delay/impact_timer.hpp"

@@ -82,8 +82,8 @@ Transfer transfer_at(const std::vector<Shared>& shared, std::size_t next, const 
   Transfer transfer;
   transfer.later_s = upper_median(later_s);
   for (const double s : later_s) off_s.push_back(std::abs(s - transfer.later_s));
-  constexpr double kToSigma = 1.4826, kOfMedian = 1.2533;  // of a normal distribution
-  transfer.sigma_s = kToSigma * kOfMedian * upper_median(std::move(off_s)) / std::sqrt(static_cast<double>(n));
+  constexpr double kOfMedian = 1.2533;  // of a normal distribution
+  transfer.sigma_s = kSdOverMad * kOfMedian * upper_median(std::move(off_s)) / std::sqrt(static_cast<double>(n));
   if (!gain.empty()) transfer.gain = upper_median(std::move(gain));
   return transfer;
 }

@@ -7,8 +7,8 @@
 #include <optional>
 #include <vector>
 
-#include "bouncelab/audio/audio_reader.hpp"
-#include "bouncelab/audio/dsp/real_fft.hpp"
+#include "bouncelab/audio/dsp.hpp"
+#include "bouncelab/audio/sound_file.hpp"
 #include "bouncelab/detection/detect.hpp"
 #include "candidates/candidates.hpp"
 #include "template/subband_delay.hpp"

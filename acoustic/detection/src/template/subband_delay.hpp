@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "bouncelab/audio/dsp/real_fft.hpp"
+#include "bouncelab/audio/dsp.hpp"
 #include "model_number.hpp"
 
 namespace bouncelab::detection {

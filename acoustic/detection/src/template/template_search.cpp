@@ -8,8 +8,7 @@
 #include <span>
 #include <utility>
 
-#include "bouncelab/audio/dsp/kernels.hpp"
-#include "bouncelab/audio/dsp/real_fft.hpp"
+#include "bouncelab/audio/dsp.hpp"
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/numerics.hpp"
 #include "template/subband_delay.hpp"

@@ -11,7 +11,7 @@
 #include <span>
 #include <vector>
 
-#include "bouncelab/audio/dsp/kernels.hpp"
+#include "bouncelab/audio/dsp.hpp"
 #include "bouncelab/core/elementary.hpp"
 
 namespace bouncelab::detection {
@@ -33,8 +33,6 @@ std::vector<float> low_pass(int factor) {
   }
   std::vector<float> unit_gain;
   for (const double tap : taps) unit_gain.push_back(static_cast<float>(tap / sum));
-  constexpr std::size_t kStep = 16;  // by which audio::filter_and_decimate() goes
-  unit_gain.resize((unit_gain.size() + kStep - 1) / kStep * kStep, 0.0F);
   return unit_gain;
 }
 
@@ -44,7 +42,9 @@ audio::AudioSource decimate(const audio::AudioSource& source, int factor) {
   const auto read = [source, factor, taps = low_pass(factor)](std::int64_t first, std::span<float> out) {
     std::vector<float> x(out.size() * static_cast<std::size_t>(factor) + taps.size());
     read_padded(source, (first - 8) * factor, x);
-    audio::filter_and_decimate(x, static_cast<std::size_t>(factor), taps, out);
+    for (std::size_t n = 0; n < out.size(); ++n)
+      out[n] =
+          static_cast<float>(audio::dot(taps, std::span(x).subspan(n * static_cast<std::size_t>(factor), taps.size())));
   };
   const std::int64_t n_samples = source.n_samples / factor;
   if (n_samples > kMostHeld) return {source.rate_hz / factor, n_samples, read, source.silences};

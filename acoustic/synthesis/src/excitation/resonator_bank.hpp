@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "bouncelab/audio/dsp/real_fft.hpp"
+#include "bouncelab/audio/dsp.hpp"
 #include "bouncelab/core/numerics.hpp"
 #include "sensor/converter.hpp"
 

@@ -4,12 +4,15 @@
 
 #include <cstddef>
 #include <functional>
+#include <string>
 
 namespace bouncelab {
 
 /// Called now and then by long computations, from one thread at a time, with the work done so far and in all (same
 /// unit, e.g. drops or seconds of sound; total 0 = not known). May throw Interrupted to stop the computation.
 using ProgressCallback = std::function<void(double done, double total)>;
+/// Makes the progress callback of a stage: `label` is what is done ("simulate"), `unit` what is counted ("drops").
+using StageProgress = std::function<ProgressCallback(const std::string& label, const std::string& unit)>;
 
 /// Number of threads for an option whose 0 means all cores. @return n_threads, or the number of cores that this process
 /// may run on where it is <= 0

@@ -167,9 +167,6 @@ struct LoopResult {
   StageClock clock;
 };
 
-/// Makes the progress callback of a stage: `label` is what is done ("simulate"), `unit` what is counted ("drops").
-using StageProgress = std::function<ProgressCallback(const std::string& label, const std::string& unit)>;
-
 /// Runs the loop with all data in memory but for the one recording.
 /// @throws InvalidArgument naming the setting that is out of range, FileError (disk full), what `progress` throws
 LoopResult run_loop(const LoopConfig& config, const StageProgress& progress = {});

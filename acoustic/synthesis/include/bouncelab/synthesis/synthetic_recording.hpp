@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "bouncelab/audio/audio_writer.hpp"
+#include "bouncelab/audio/sound_file.hpp"
 #include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/description.hpp"
 #include "bouncelab/core/error.hpp"

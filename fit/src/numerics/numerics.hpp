@@ -2,12 +2,11 @@
 #pragma once
 
 #include <Eigen/Core>
+
+#include <functional>
 #include <optional>
 
 #include "bouncelab/fit/estimate.hpp"
-
-// Products and decompositions of matrices. Eigen compiles them anew in each file that asks for them, for some seconds;
-// in linalg.cpp they are compiled once.
 
 namespace bouncelab::fit {
 
@@ -49,5 +48,39 @@ Eigen::MatrixXd rotation_along(const Eigen::VectorXd& direction);
 Matrix to_matrix(const Eigen::MatrixXd& m);
 
 Eigen::MatrixXd correlation_of(const Eigen::MatrixXd& covariance);
+
+// By GSL, which no other file of fit calls: its error handler, which would end the program, is switched off there.
+
+/// Probability of a chi-square above chi2. @param chi2  >= 0  @param ndf  > 0
+double chi2_survival(double chi2, double ndf);
+
+/// Probability of Student's t below t, for nu > 0 degrees of freedom.
+double student_t_below(double t, double nu);
+
+/// Probability of Fisher's F above f, for d1 and d2 > 0 degrees of freedom. @param f  >= 0, may be infinite
+double f_survival(double f, double d1, double d2);
+
+/// The t below which it falls with probability p. @param p  in [0.5, 1)
+double student_t_quantile(double p, double nu);
+
+/// Log-likelihood at x; its gradient where asked for. Not finite: outside the domain.
+using LogLikelihood = std::function<double(const Eigen::VectorXd& x, Eigen::VectorXd* gradient)>;
+
+struct Maximum {
+  Eigen::VectorXd x;
+  double loglik = 0.0;
+  /// What a quadratic model says is still to be gained, g^T I^-1 g / 2: below 1e-4 the estimate is within a hundredth
+  /// of its standard error.
+  double gain_left = 0.0;
+  int n_evaluations = 0;
+  bool converged = false;
+};
+
+/// Maximises by Ceres' BFGS with a Wolfe line search, in coordinates whitened by the information matrix at the start:
+/// there the surface is nearly a unit bowl, whatever the units and correlations of x.
+/// @param information  at the start; directions it says nothing about are searched with a bounded step
+/// @param tolerance    on the whitened gradient: distance to the maximum in standard errors
+Maximum maximise(const LogLikelihood& loglik, const Eigen::VectorXd& start, const Eigen::MatrixXd& information,
+                 double tolerance = 2e-3);
 
 }  // namespace bouncelab::fit

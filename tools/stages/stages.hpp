@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// The stages on files: the options of each, and the function that runs it, as the command line and Python call it.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bouncelab/detection/detect.hpp"
+#include "bouncelab/fit/fit.hpp"
+#include "bouncelab/fit/memory_fit.hpp"
+#include "bouncelab/report/answer.hpp"
+#include "bouncelab/sim/experiment.hpp"
+#include "bouncelab/sim/surface.hpp"
+#include "stage_options/options.hpp"
+#include "stages/ball_of_files.hpp"
+#include "stages/run.hpp"
+
+namespace bouncelab::stages {
+
+/// The number of drops and impacts of the paper's run, where the user did not set them.
+void apply_paper_preset(SimulateOptions& options, Run& run);
+
+/// The asperities of the file that the options name; absent where they name none. @throws FileError
+std::optional<sim::Surface> surface_from_file(const SimulateOptions& options, const Ball& ball);
+
+/// The asperities of that file, else those drawn. @throws FileError
+sim::Surface surface_of(const SimulateOptions& options, const sim::SimulationConfig& config, const Run& run);
+
+/// The files that a simulation reads: surface, table of the law.
+std::vector<std::filesystem::path> simulation_inputs(const SimulateOptions& options);
+
+/// What --json prints.
+Object summary_of(const sim::SimulationResult& result, const Ball& ball);
+
+/// Simulates and writes options.out (and options.write_surface where named).
+Outcome run_simulate(const SimulateOptions& options, const Run& run);
+
+/// Option --codec, which needs files.
+Section codec_section(SynthesizeOptions& options, std::vector<std::string> stages = {});
+
+/// What is simulated and made sound of, by one choice of ball and plate.
+struct Scene {
+  BallChoice world = kPaperBall;  ///< of both stages, in place of their own
+  SimulateOptions simulate;
+  SynthesizeOptions synthesize;
+};
+/// Ball, drops, sound and disturbances.
+std::vector<Section> scene_sections(Scene& scene, bool with_codec = false);
+/// One combination of the values that a configuration file lists: of a scene, or of the seed.
+/// @throws InvalidArgument naming the option
+void set_scene(Scene& scene, CommonOptions& common, const loop::Settings& settings);
+
+/// Reads options.impacts, writes options.out, the truth, and OUT.others.csv where there are sounds of other things.
+Outcome run_synthesize(const SynthesizeOptions& options, const Run& run);
+
+struct DetectOptions {
+  std::vector<std::string> recordings;
+  std::string list;  ///< file with more recordings, one a line; empty: none
+  std::string out;
+  std::string labels;
+  detection::DetectionConfig config;
+};
+
+/// The option --drop-height of `restitution`, for the detection: `analyze` sets both by one.
+Section drop_height_section(detection::DetectionConfig& config);
+
+using Recordings = std::vector<detection::RecordingDetection>;
+
+/// The recordings named and those of the list.
+/// @throws FileError where the list cannot be read; InvalidArgument where there is no recording
+std::vector<std::filesystem::path> recordings_of(const DetectOptions& options);
+
+std::vector<std::filesystem::path> readable_of(const Recordings& recordings);
+/// What --json prints. @param warnings  that are not of one recording alone
+Object summary_of(const Recordings& recordings, const std::vector<Note>& notes);
+/// Text, warnings and what went wrong. @param warnings  of the files
+Outcome detection_outcome(const Recordings& recordings, std::vector<Note> notes);
+
+/// Writes options.out and, where named, options.labels; neither where no impact was found. A recording with the same
+/// content as one before it counts once, and a warning names both.
+Outcome run_detect(const DetectOptions& options, const Run& run);
+
+/// What the options describe, with the positions of their file. @throws InvalidArgument, FileError
+fit::RestitutionConfig restitution_config(const RestitutionOptions& options);
+
+/// What --json prints.
+Object summary_of(const fit::RestitutionCounts& counts, const fit::RestitutionConfig& config);
+
+/// The samples are in the file only: there may be more than the memory holds.
+Outcome run_restitution(const RestitutionOptions& options, const Run& run);
+
+struct FitOptions {
+  FitOptions() { config.memory = fit::UseMemory::where_long; }
+
+  std::vector<std::string> samples;  ///< files
+  std::string out;
+  std::string table;       ///< empty: none
+  std::string histograms;  ///< likewise
+  std::string columns;     ///< of a table that this program did not write: "v=speed,eps=e"
+  fit::FitConfig config;
+  BallChoice world;  ///< in place of what the samples say
+};
+
+/// The answer, each of several recordings, what was taken, one doubt: a line each.
+/// @param of_recordings  lines that stand behind those of the recordings
+std::string answer_text(const report::FitInWords& words, const std::string& of_recordings);
+
+/// What the options describe.
+fit::FitConfig fit_config(const FitOptions& options, const CommonOptions& common);
+
+/// What stood on the command line was not taken, it was given.
+void leave_out_given(const Given& given, std::vector<report::Taken>& taken);
+
+/// Text and notes; exit code 1 where there is no curve.
+/// @param samples  where they are from, for the error
+Outcome fit_outcome(const fit::FitResult& result, const report::FitInWords& words, const std::string& samples);
+/// What is known is written whatever the exit code.
+Outcome run_fit(const FitOptions& options, const Run& run);
+
+struct RoughnessOptions {
+  std::vector<std::string> samples;  ///< files
+  std::string out;                   ///< empty: none
+  fit::RoughnessConfig config;
+  BallChoice world;  ///< in place of what the samples say
+};
+
+/// Exit code 1 where the scatter is not that of a rough ball, or there are too few impacts to know.
+Outcome run_roughness(const RoughnessOptions& options, const Run& run);
+
+struct LoopOptions {
+  std::string preset = "quick";
+  std::string out;
+  Scene scene;
+  bool keep_sound = false;      ///< of the paper's run
+  bool without_memory = false;  ///< of the paper's run: without the fits with memory
+};
+
+/// Runs the loop and writes what it returned; of lists in the configuration file the loop of every combination, through
+/// memory, into sweep.csv, sweep.json and report.html. @throws InvalidArgument saying which combination is wrong
+Outcome run_loop(const LoopOptions& options, const Run& run);
+
+/// With the folder and the ball.
+std::vector<Section> loop_sections(LoopOptions& options);
+/// The paper's run, where the user did not choose otherwise.
+void apply_loop_preset(LoopOptions& options, Run& run);
+
+struct ReportOptions {
+  std::string folder;  ///< with fit.json, and summary.json, samples.csv, wave.json where they exist
+  std::string out;
+  std::string title;      ///< empty: named after the folder
+  std::string figures{};  ///< folder for each figure as SVG and PDF; empty: none
+};
+
+Outcome run_report(const ReportOptions& options, const Run& run);
+
+/// Is this a fit.json, of whatever version? What is not text that can be read is none.
+bool is_fit(const std::string& content);
+/// A file of a fit that states another eps than this version is not used.
+/// @param content  fit.json
+/// @param path     its name
+/// @throws FileError where it was written before 0.3, when eps was the most frequent one
+void refuse_older_fit(const std::string& content, const std::string& path);
+
+struct ValidateOptions {
+  std::vector<std::string> detectors;   ///< commands, or builtin
+  std::vector<std::string> recordings;  ///< files and folders of sound; empty: synthesized
+  std::string truth;                    ///< of the recordings a folder, of the marks a file
+  std::string marks;                    ///< times that exist already
+  std::string out;
+  double time_limit_s = 60.0;  ///< for one recording
+  bool offset_only = false;
+  bool annotated_only = false;  ///< marks before the first and after the last true time do not count
+  Scene scene;                  ///< what is synthesized
+};
+std::vector<Section> validate_sections(ValidateOptions& options);
+
+/// Scores detectors against true times: those of synthesized recordings, one for each value of each list of the
+/// configuration file beside the first, or of recordings that there are; or marks against truth, file against file.
+/// Writes scores.csv, validation.json and, in folders, recordings and marks.
+/// @throws InvalidArgument, FileError; what a detector does wrong costs the recording only
+Outcome run_validate(const ValidateOptions& options, const Run& run);
+
+}  // namespace bouncelab::stages
