@@ -2,13 +2,17 @@
 /// Options of the command line as keywords of Python: the same names, ranges, units and messages.
 #pragma once
 
+#include <pybind11/pybind11.h>
+
 #include <string>
 #include <vector>
 
-#include "bouncelab/fit/restitution.hpp"
+#include "bouncelab/core/samples.hpp"
 #include "stages/stages.hpp"
 
 namespace bouncelab::python {
+
+namespace py = pybind11;
 
 /// Options as the command line has them: "--drops=8", "--drag".
 using Arguments = std::vector<std::string>;
@@ -26,5 +30,19 @@ Parsed<Options> parse(const Arguments& arguments);
 /// The options of a function, in the order of --help: a JSON array of {name, help, type, default, flag, least and most
 /// number of values, choices}. @throws InvalidArgument where there is no such function
 std::string options_json(const std::string& function);
+
+// Functions of _core: tables as dicts of arrays, everything else as JSON text. The package makes objects of them. Each
+// throws what the command of the same name throws, and InvalidArgument where it would have no result.
+// progress: None, or called as progress(label, done, total, unit).
+
+/// Simulation, sound, impact times, coefficients, and tables in files.
+void bind_stages(py::module_& m);
+/// Fits, scores, laws.
+void bind_fits(py::module_& m);
+
+/// @throws InvalidArgument naming the row that no sample can be
+RestitutionSamples samples_of(const py::dict& columns);
+/// Of outputs that no command writes.
+stages::Run writing(bool force);
 
 }  // namespace bouncelab::python

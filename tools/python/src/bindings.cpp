@@ -5,9 +5,9 @@
 #include <filesystem>
 #include <string>
 
+#include "arguments.hpp"
 #include "bouncelab/core/core.hpp"
 #include "bouncelab/core/error.hpp"
-#include "stages.hpp"
 #include "stages/ball_of_files.hpp"
 
 namespace bouncelab::python {
@@ -41,25 +41,8 @@ PYBIND11_MODULE(_core, m) {
   m.def("commit", [] { return std::string(commit()); });
   m.def("balls", [] { return json_text(stages::catalogue(), 2); });
   m.def("options", &options_json);
-  m.def("simulate", &simulate);
-  m.def("synthesize", &synthesize);
-  m.def("detect_files", &detect_files);
-  m.def("detect_samples", &detect_samples);
-  m.def("restitution", &restitution);
-  m.def("onsets_of_heights", &onsets_of_heights);
-  m.def("wave_of_file", &wave_of_file);
-  m.def("wave_of_samples", &wave_of_samples);
-  m.def("write_sound", &write_sound);
-  m.def("write_columns", &write_columns);
-  m.def("read_columns", &read_columns);
-  m.def("fit", &fit);
-  m.def("roughness", &roughness);
-  m.def("loop", &loop);
-  m.def("score_detector", &score_detector);
-  m.def("restitution_of_law", &restitution_of_law);
-  m.def("scatter", &scatter);
-  m.def("sides_of_fluctuation", &sides_of_fluctuation);
-  m.def("write_report", &write_report);
+  bind_stages(m);
+  bind_fits(m);
 }
 
 }  // namespace bouncelab::python
