@@ -5,11 +5,11 @@
 
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/text.hpp"
-#include "bouncelab/fit/usable_samples.hpp"
+#include "bouncelab/fit/restitution.hpp"
 #include "curve/smooth_curve.hpp"
 #include "law/law_model.hpp"
 #include "law/law_search.hpp"
-#include "numerics/linalg.hpp"
+#include "numerics/numerics.hpp"
 #include "restitution/air_and_contact.hpp"
 
 namespace bouncelab::fit {
@@ -98,9 +98,8 @@ void look_beside(const SmoothCurve& curve, LawFit& law, const LawFitConfig& conf
   const Eigen::VectorXd q = values_of(model, law);
   const LawBeside beside = curve.beside(model, q, law.scatter);
   law.misfit = beside.misfit;
-  const Eigen::MatrixXd covariance = congruence(beside.by_deviation.transpose(), curve.deviation_covariance());
-  widen_law(law, model, q, covariance);
-  if (memory) widen_law(*memory, model, q, covariance);
+  widen_law(law, model, q, beside.covariance);
+  if (memory) widen_law(*memory, model, q, beside.covariance);
 }
 
 /// What is stated as the law's constants.
@@ -149,40 +148,86 @@ RestitutionSamples with_errors(RestitutionSamples samples, double factor) {
   return samples;
 }
 
+/// What the curve is fitted to, and what all other fits are.
+struct Prepared {
+  Prepared(const RestitutionSamples& samples, const FitConfig& config);
+  /// At the plate, with the errors that the curve finds.
+  const RestitutionSamples& used() const { return at_plate ? *at_plate : *part; }
+  /// As the intervals give them where nobody knows what the air did to them.
+  const RestitutionSamples& shown() const { return curve && curve->known().is_named ? used() : *part; }
+
+  LeftOut left_out;
+  PartOfSamples part;                          ///< usable, as measured
+  std::optional<SmoothCurve> curve;            ///< absent without samples
+  std::optional<RestitutionSamples> at_plate;  ///< where these are other than `part`
+};
+
+Prepared::Prepared(const RestitutionSamples& samples, const FitConfig& config)
+    : part(usable_samples(samples, left_out)) {
+  if (part->empty()) return;
+  curve.emplace(*part, places_of(*part), config.law.node_speeds_mps);
+  const double errors = curve->curve().errors_over_digits.value_or(1.0);
+  if (curve->known().is_open() || errors != 1.0)
+    at_plate = at_the_plate(with_errors(*part, errors), curve->known(), curve->deviation());
+}
+
+/// The law at the nodes of the curve, with its tests.
+LawFitConfig main_law(const FitConfig& config, const std::optional<Curve>& curve) {
+  LawFitConfig law = config.law;
+  law.n_goodness = config.n_goodness;
+  law.compare_laws = true;
+  if (law.node_speeds_mps.empty() && curve && curve->nodes.size() > 1)
+    for (const CurveNode& node : curve->nodes) law.node_speeds_mps.push_back(node.v_mps);
+  return law;
+}
+
+/// How the samples scatter about the law: histograms, budget, picture. @param kept  samples without the law's outliers
+void describe_scatter(FitResult& result, const RestitutionSamples& kept, const Prepared& prepared,
+                      const FitConfig& config) {
+  result.histograms = fit_histograms(kept, config.histograms, result.law);
+  if (prepared.used().size() > kMostShown) result.density = density_picture(prepared.shown());
+  BudgetConfig budget = budget_config_of(*prepared.part, config.budget);
+  const auto correct = [&](bool is_known, Effect& effect) {
+    if (is_known && effect == Effect::present) effect = Effect::corrected;
+  };
+  correct(prepared.curve && prepared.curve->known().has_drag, budget.drag);
+  correct(prepared.curve && prepared.curve->known().has_contact, budget.contact_time);
+  result.budget = error_budget(kept, result.law, budget);
+}
+
+/// Are the samples of one ball? With the outliers of the pooled law: they may be all of one recording.
+void compare_parts(FitResult& result, const RestitutionSamples& used, const FitConfig& config) {
+  if (config.compare_recordings) result.recordings = compare_recordings(used, config.law, result.law);
+  result.kinds_of_drops = two_kinds_of_drops(used);
+  const bool recordings_agree =
+      result.recordings.rows.empty() || (result.recordings.test && !disagree(result.recordings));
+  result.is_one_ball = config.pool || (recordings_agree && !result.kinds_of_drops);
+}
+
+/// What other programs take, and the peak: made of the curve and of the scatter about the law.
+void hand_off(FitResult& result, const SampleConditions& conditions, std::optional<double> speed_mps) {
+  add_peaks(*result.curve, result.law);
+  if (!result.is_one_ball) return;
+  const double v_mps = speed_mps.value_or(result.curve->nodes[result.curve->nodes.size() / 2].v_mps);
+  std::optional<DemMemory> memory;
+  if (memory_holds(result)) memory = DemMemory{*result.memory->law, result.memory->roughness.q.value};
+  result.dem_export = dem_export(*result.curve, result.law.scatter, v_mps, conditions.ball, conditions.plate, memory);
+}
+
 FitResult fit_on_these_threads(const RestitutionSamples& samples, const FitConfig& config,
                                const ProgressCallback& progress) {
   const double n_steps = config.memory == UseMemory::never ? 4.0 : 5.0;
-  double n_done = 0.0;
-  const auto step = [&] {
+  auto step = [&, n_done = 0.0]() mutable {
     if (progress) progress(n_done, n_steps);
     n_done += 1.0;
   };
   FitResult result;
-  LeftOut left_out;
-  const PartOfSamples part = usable_samples(samples, left_out);
-  LawFitConfig main = config.law;
-  AirAndContact known;
-  known.has_drag = known.has_contact = false;
-  Deviation deviation;
-  std::optional<SmoothCurve> curve;
-  if (!part->empty()) {
-    curve.emplace(*part, places_of(*part), config.law.node_speeds_mps);
-    result.curve = curve->curve();
-    known = curve->known();
-    deviation = curve->deviation();
-    if (main.node_speeds_mps.empty() && result.curve->nodes.size() > 1)
-      for (const CurveNode& node : result.curve->nodes) main.node_speeds_mps.push_back(node.v_mps);
-  }
-  const double errors = result.curve ? result.curve->errors_over_digits.value_or(1.0) : 1.0;
-  const bool as_they_are = !known.is_open() && errors == 1.0;
-  const RestitutionSamples moved =
-      as_they_are ? RestitutionSamples{} : at_the_plate(with_errors(*part, errors), known, deviation);
-  const RestitutionSamples& used = as_they_are ? *part : moved;
+  const Prepared prepared(samples, config);
+  const RestitutionSamples& used = prepared.used();
+  if (prepared.curve) result.curve = prepared.curve->curve();
   step();
-  main.n_goodness = config.n_goodness;
-  main.compare_laws = true;
   const OrderedSamples ordered = ordered_by_speed(used);
-  result.law = fit_law(used, ordered, main);
+  result.law = fit_law(used, ordered, main_law(config, result.curve));
   step();
   if (config.memory != UseMemory::never) {
     // the impacts as they followed each other, outliers among them: where one is missing a chain ends
@@ -191,48 +236,24 @@ FitResult fit_on_these_threads(const RestitutionSamples& samples, const FitConfi
     step();
   }
   // what the law cannot explain would widen every other fit
-  const PartOfSamples without_outliers(used, result.law.outliers);
-  const RestitutionSamples& kept = *without_outliers;
-  const OrderedSamples ordered_kept = result.law.outliers.empty() ? ordered : ordered_by_speed(kept);
+  const PartOfSamples kept(used, result.law.outliers);
+  const OrderedSamples ordered_kept = result.law.outliers.empty() ? ordered : ordered_by_speed(*kept);
   LawFit sphere = config.law.kind == LawKind::viscoelastic
                       ? result.law
-                      : fit_law(kept, ordered_kept, viscoelastic(config.law, result.law));
+                      : fit_law(*kept, ordered_kept, viscoelastic(config.law, result.law));
   step();
-  result.histograms = fit_histograms(kept, config.histograms, result.law);
-  // as the intervals give them where nobody knows what the air did to them
-  if (used.size() > kMostShown) result.density = density_picture(known.is_named ? used : *part);
-  BudgetConfig budget = budget_config_of(*part, config.budget);
-  if (known.has_drag && budget.drag == Effect::present) budget.drag = Effect::corrected;
-  if (known.has_contact && budget.contact_time == Effect::present) budget.contact_time = Effect::corrected;
-  result.budget = error_budget(kept, result.law, budget);
+  describe_scatter(result, *kept, prepared, config);
   step();
-  // with the outliers of the pooled law: they may be all of one recording
-  if (config.compare_recordings) result.recordings = compare_recordings(used, config.law, result.law);
-  result.kinds_of_drops = two_kinds_of_drops(used);
-  const bool recordings_agree =
-      result.recordings.rows.empty() || (result.recordings.test && !disagree(result.recordings));
-  result.is_one_ball = config.pool || (recordings_agree && !result.kinds_of_drops);
+  compare_parts(result, used, config);
   step();
-  if (curve) {
-    look_beside(*curve, result.law, config.law, result.memory ? &*result.memory : nullptr, ordered.data.v_mps);
-    look_beside(*curve, sphere, config.law, nullptr, ordered_kept.data.v_mps);
+  if (prepared.curve) {
+    look_beside(*prepared.curve, result.law, config.law, result.memory ? &*result.memory : nullptr, ordered.data.v_mps);
+    look_beside(*prepared.curve, sphere, config.law, nullptr, ordered_kept.data.v_mps);
   }
   result.constants = constants_of(result, sphere);
-  if (result.curve) {
-    add_peaks(*result.curve, result.law);
-    const double v_mps = config.dem_speed_mps.value_or(result.curve->nodes[result.curve->nodes.size() / 2].v_mps);
-    const SampleConditions& conditions = used.front().conditions;
-    std::optional<DemMemory> memory;
-    if (memory_holds(result)) {
-      memory.emplace().law = *result.memory->law;
-      memory->q = result.memory->roughness.q.value;
-    }
-    if (result.is_one_ball)
-      result.dem_export =
-          dem_export(*result.curve, result.law.scatter, v_mps, conditions.ball, conditions.plate, memory);
-  }
+  if (result.curve) hand_off(result, used.front().conditions, config.dem_speed_mps);
   result.n_used = result.law.n;
-  result.n_left_out = left_out.n;
+  result.n_left_out = prepared.left_out.n;
   if (!result.law.outliers.empty()) result.n_left_out["outlier"] = result.law.outliers.size();
   return result;
 }

@@ -9,7 +9,6 @@
 #include "bouncelab/core/parallel.hpp"
 #include "bouncelab/core/text.hpp"
 #include "bouncelab/fit/restitution.hpp"
-#include "bouncelab/fit/usable_samples.hpp"
 
 namespace bouncelab::loop {
 namespace {

@@ -126,7 +126,7 @@ std::vector<double> beyond_contact_law(const std::vector<double>& errors, const 
       const auto [u, e] = off_mean(k);
       rest[k] = e - slope * u;
     }
-    const double size = kLeast_s + 2.0 * 1.4826 * median_size(rest);
+    const double size = kLeast_s + 2.0 * kSdOverMad * median_size(rest);
     for (std::size_t k = 0; k < errors.size(); ++k) weights[k] = 1.0 / std::sqrt(1.0 + square(rest[k] / size));
   }
   return rest;
@@ -161,7 +161,7 @@ void score_neighbours(const Onsets& truth, const Onsets& marked, const Matches& 
       if (!from.sigma_t_s || !to.sigma_t_s || !(*from.sigma_t_s > 0.0) || !(*to.sigma_t_s > 0.0)) continue;
       const double between_s = *error_s[b] - *error_s[a], sigma_s = std::hypot(*from.sigma_t_s, *to.sigma_t_s);
       const double pull = between_s / sigma_s;
-      constexpr double kNormal95 = 1.959963984540054, kMostPull = 5.0;
+      constexpr double kMostPull = 5.0;
       const double scored_s = std::max(sigma_s, std::abs(between_s) / kMostPull);
       ++score.n_stated;
       score.n_covered += std::abs(pull) <= kNormal95 ? 1 : 0;
@@ -184,7 +184,7 @@ void score_errors(const TrueTimes& truth, const Onsets& marked, const Matches& m
     if (truth.onsets[k].sigma_t_s) bounds.push_back(*truth.onsets[k].sigma_t_s);
   }
   score.jitter_s = root_mean_square(errors);
-  score.typical_s = 1.4826 * median_size(errors);
+  score.typical_s = kSdOverMad * median_size(errors);
   const std::vector<std::int64_t> one_group(errors.size(), 0);
   if (!scaling.empty()) score.within_law_s = root_mean_square(beyond_contact_law(errors, scaling, one_group));
   const std::vector<double> within_drops = beyond_contact_law(errors, scaling, drops);

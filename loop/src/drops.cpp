@@ -5,7 +5,7 @@
 #include <mutex>
 #include <utility>
 
-#include "bouncelab/audio/audio_writer.hpp"
+#include "bouncelab/audio/sound_file.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/detection/detect.hpp"
 #include "bouncelab/synthesis/synthesize.hpp"

@@ -7,7 +7,7 @@
 #include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/text.hpp"
-#include "bouncelab/fit/usable_samples.hpp"
+#include "bouncelab/fit/restitution.hpp"
 #include "words.hpp"
 
 namespace bouncelab::report {

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <mutex>
 #include <numeric>
-#include <sstream>
 #include <utility>
 
 #include "bouncelab/core/error.hpp"
@@ -13,11 +12,12 @@
 namespace bouncelab::sim {
 namespace {
 
+[[noreturn]] void refuse(const std::string& quantity, double value, const std::string& range) {
+  throw InvalidArgument(quantity + " = " + short_number(value) + " is outside its range: " + range);
+}
+
 void require(bool holds, const std::string& quantity, double value, const std::string& range) {
-  if (holds) return;
-  std::ostringstream out;
-  out << quantity << " = " << value << " is outside its range: " << range;
-  throw InvalidArgument(out.str());
+  if (!holds) refuse(quantity, value, range);
 }
 
 /// A law is asked for speeds from rest to what the fall, the throw and the spin can bring to the point of contact.
@@ -30,10 +30,10 @@ void require_sane_restitution(const SimulationConfig& c) {
   for (int k = 0; k <= kPoints; ++k) {
     const double v_mps = fastest_mps * k / kPoints;
     const double eps = restitution(c.law, v_mps);
-    std::ostringstream range;
-    range << "(0, 1.5]; at " << v_mps << " m/s, which this experiment reaches, the law " << describe(c.law)
-          << " cannot hold";
-    require(eps > 0.0 && eps <= 1.5, "coefficient of restitution", eps, range.str());
+    if (!(eps > 0.0 && eps <= 1.5))
+      refuse("coefficient of restitution", eps,
+             "(0, 1.5]; at " + short_number(v_mps) + " m/s, which this experiment reaches, the law " + describe(c.law) +
+                 " cannot hold");
   }
 }
 

@@ -5,7 +5,7 @@
     tools/build detect_with bouncelab
     python3 tests/bench/ablation.py [--only PART ...] [--pairs] [--recordings DIR ...] [--channels DIR] [--onset-cases DIR] [--no-ball DIR]
 
-A part is taken out by one number of the models (acoustic/detection/src/*/*_model.hpp), at which it does nothing. --pairs takes out every two
+A part is taken out by one number of the models (tests/bench/model_numbers.hpp), at which it does nothing. --pairs takes out every two
 of the parts named. `bouncelab validate` scores each set. Each line has recall / precision within 5 ms on each folder of annotated recordings
 (NAME.wav, NAME.truth.csv with t_s), on generated drops of few bounces and in clutter (tests/bench/scenes), of onset cases (NAME.wav, NAME.json
 with impacts[] of t_s, v, crb_us) and through codecs; the log score of stated errors (docs/validation.md) and in brackets the pull against the
@@ -52,14 +52,13 @@ PARTS = {
     "lower bands only where unclear": {"kChannels.explained": 2},
     "long template": {"kTemplate.many_close": NEVER},
     "several beginnings": {"kTemplate.most_starts": 1},
-    "windows at attacks": {"kTemplate.attack_share": 0},
     "0.01 not repeated": {"kTemplate.unrepeated": 0},
     "whitening by residuals": {"kTemplate.residual_order": 0},
     "coherence weight": {"kTemplate.fewest_for_coherence": NEVER},
     "weak bands merged": {"kTemplate.least_information_share": 0},
     "amplitudes of sub-bands": {"kTemplate.amplitude_prior": NEVER},
     "jitter of one band": {"kTemplate.fewest_subbands": 0},
-    "jitter shrunk": {"kTemplate.prior_impacts": 0},
+    "least jitter of a band": {"kTemplate.least_of_median": 0},
     "chi2 of the bands": {"kTemplate.prior_subbands": NEVER},
     "gaps": {"kDelay.least_in_gap": NEVER},
     "beyond the end": {"kDelay.least_of_outlier": NEVER},

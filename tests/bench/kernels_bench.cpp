@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "bench_lines.hpp"
-#include "bouncelab/audio/dsp/kernels.hpp"
+#include "bouncelab/audio/dsp.hpp"
 
 namespace {
 

@@ -9,12 +9,12 @@
 #include <vector>
 
 #include "bouncelab/core/error.hpp"
-#include "candidates/candidate_model.hpp"
+#include "candidates/candidates.hpp"
 #include "channel_tracks.hpp"
-#include "contact/contact_model.hpp"
-#include "delay/delay_model.hpp"
-#include "drops/drops_model.hpp"
-#include "template/template_model.hpp"
+#include "contact/contact_time.hpp"
+#include "delay/timed_impact.hpp"
+#include "drops/drop_timer.hpp"
+#include "template/subband_delay.hpp"
 #include "tracking/tracking_model.hpp"
 
 namespace bouncelab::detection {
@@ -73,7 +73,6 @@ inline const std::vector<Number>& numbers() {
       N(kTemplate.many_close),
       N(kTemplate.most_training),
       N(kTemplate.most_starts),
-      N(kTemplate.attack_share),
       N(kTemplate.unrepeated),
       N(kTemplate.residual_order),
       N(kTemplate.fewest_for_coherence),
@@ -81,7 +80,7 @@ inline const std::vector<Number>& numbers() {
       N(kTemplate.amplitude_prior),
       N(kTemplate.prior_subbands),
       N(kTemplate.fewest_subbands),
-      N(kTemplate.prior_impacts),
+      N(kTemplate.least_of_median),
       N(kDelay.least_in_gap),
       N(kDelay.least_of_outlier),
       N(kDelay.most_explained),
@@ -93,6 +92,7 @@ inline const std::vector<Number>& numbers() {
       N(kDrops.clearly_less),
       N(kDrops.fewest_shared),
       N(kContact.fewest_impacts),
+      N(kContact.shape_sigma),
       N(kContact.duration_times_frequency),
   };
 #undef N

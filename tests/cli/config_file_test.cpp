@@ -99,6 +99,7 @@ TEST_F(ConfigFile, WhatIsNoRegularFileOfTomlIsRefused) {
 TEST_F(ConfigFile, WrongTomlIsNamedByLine) {
   expect_wrong("drops = 1\ndrag = 3\xc3\xa1\n", 3, {"c.toml", "line 2"});  // a letter where a blank may be
   expect_wrong("height = " + std::string(5000, '['), 3, {"c.toml", "line 1"});
+  expect_wrong("drops = 1\n[.2]\n", 3, {"c.toml", "a name is missing"});  // which the library takes for impossible
   expect_wrong(std::string("drops = 1\n\0", 11), 3, {"c.toml"});
   std::string deep = "a";  // a table in a table, 100,000 times, of which the library runs out of stack
   for (int k = 0; k < 100'000; ++k) deep += ".a";

@@ -5,7 +5,7 @@
 #include <map>
 
 #include "bouncelab/core/error.hpp"
-#include "options/parser.hpp"
+#include "options/commands.hpp"
 #include "program.hpp"
 
 namespace bouncelab::cli_test {

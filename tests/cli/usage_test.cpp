@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <sstream>
 
-#include "options/parser.hpp"
+#include "options/commands.hpp"
 #include "program.hpp"
 
 namespace bouncelab::cli_test {

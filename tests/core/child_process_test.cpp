@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "bouncelab/core/child_process.hpp"
+#include "bouncelab/core/files.hpp"
 
 #include <fcntl.h>
 #include <gmock/gmock.h>

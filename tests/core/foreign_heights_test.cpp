@@ -21,12 +21,12 @@ using testing::HasSubstr;
 using Falls = std::vector<std::vector<double>>;
 
 TakenTable taken_of_heights(const std::string& text, const ForeignOptions& options) {
-  return onsets_from_foreign(read_foreign_table(text, "x", options), "x", options);
+  return onsets_from_foreign(read_foreign_table(text, "x", options));
 }
 
 RestitutionSamples samples_of_speeds(const std::string& text, const std::string& columns) {
   const ForeignOptions options{"auto", "auto", columns};
-  return samples_from_table(samples_from_foreign(read_foreign_table(text, "x", options), "x", options).table, "x");
+  return samples_from_table(samples_from_foreign(read_foreign_table(text, "x", options)).table, "x");
 }
 
 struct HeightsCase {

@@ -214,7 +214,7 @@ Written written(Shape& shape, Flaw flaw) {
 }
 
 Onsets onsets_in(const std::string& text, std::string& taken_for) {
-  const TakenTable taken = onsets_from_foreign(read_foreign_table(decoded_text(text, "x"), "x"), "x", {});
+  const TakenTable taken = onsets_from_foreign(read_foreign_table(decoded_text(text, "x"), "x"));
   taken_for = taken.taken_for;
   return onsets_from_table(taken.table, "x");
 }

@@ -32,8 +32,7 @@ struct Taken {
 };
 
 Taken read(const std::string& bytes, const ForeignOptions& options = {}) {
-  const TakenTable taken =
-      onsets_from_foreign(read_foreign_table(decoded_text(bytes, "x"), "x", options), "x", options);
+  const TakenTable taken = onsets_from_foreign(read_foreign_table(decoded_text(bytes, "x"), "x", options));
   Taken result{{}, onsets_from_table(taken.table, "x"), taken.taken_for};
   for (const Onset& onset : result.onsets) {
     result.drops.resize(static_cast<std::size_t>(onset.drop) + 1);
@@ -45,7 +44,7 @@ Taken read(const std::string& bytes, const ForeignOptions& options = {}) {
 RestitutionSamples samples(const std::string& text, const std::string& columns = {}) {
   ForeignOptions options;
   options.columns = columns;
-  return samples_from_table(samples_from_foreign(read_foreign_table(text, "x", options), "x", options).table, "x");
+  return samples_from_table(samples_from_foreign(read_foreign_table(text, "x", options)).table, "x");
 }
 
 std::string error_of(const std::string& bytes, const ForeignOptions& options = {}) {

@@ -12,7 +12,6 @@
 #include <sstream>
 
 #include "bouncelab/fit/between_recordings.hpp"
-#include "bouncelab/fit/group_differences.hpp"
 #include "bouncelab/loop/loop.hpp"
 #include "bouncelab/report/answer.hpp"
 #include "bouncelab/report/notes.hpp"

@@ -10,7 +10,6 @@
 #include <string>
 #include <vector>
 
-#include "between/design.hpp"
 #include "between/offset_model.hpp"
 #include "bouncelab/core/parallel.hpp"
 #include "bouncelab/core/random.hpp"

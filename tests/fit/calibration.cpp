@@ -11,7 +11,7 @@
 #include "bouncelab/core/random.hpp"
 #include "bouncelab/fit/histogram_fit.hpp"
 #include "law/law_likelihood.hpp"
-#include "numerics/linalg.hpp"
+#include "numerics/numerics.hpp"
 
 namespace bouncelab::fit {
 namespace {

@@ -18,7 +18,6 @@
 #include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/numerics.hpp"
 #include "bouncelab/fit/restitution.hpp"
-#include "bouncelab/fit/usable_samples.hpp"
 #include "curve/smooth_curve.hpp"
 #include "drawn_balls.hpp"
 #include "law_oracle.hpp"

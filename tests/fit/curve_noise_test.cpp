@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "curve/noise.hpp"
+#include "curve/plate_samples.hpp"
 
 #include <gtest/gtest.h>
 

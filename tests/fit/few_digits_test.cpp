@@ -13,7 +13,6 @@
 #include "bouncelab/core/onsets.hpp"
 #include "bouncelab/core/random.hpp"
 #include "bouncelab/fit/restitution.hpp"
-#include "bouncelab/fit/usable_samples.hpp"
 #include "curve/smooth_curve.hpp"
 #include "support/statistics.hpp"
 
@@ -52,7 +51,7 @@ struct ByHand {
 
 RestitutionSamples samples_by_hand(const ByHand& by_hand, std::uint64_t number) {
   const ForeignOptions options{by_hand.heights ? "heights" : "times", "auto", ""};
-  const TakenTable taken = onsets_from_foreign(read_foreign_table(by_hand.table(number), "x", options), "x", options);
+  const TakenTable taken = onsets_from_foreign(read_foreign_table(by_hand.table(number), "x", options));
   RestitutionConfig config;
   config.air_kgpm3 = 0.0;
   config.instant_contacts = true;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "bouncelab/fit/group_differences.hpp"
+#include "bouncelab/fit/between_recordings.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

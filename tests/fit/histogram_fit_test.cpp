@@ -119,9 +119,7 @@ const ShapeFit& shape_fit(const HistogramFit& h, DensityShape shape) {
 
 TEST(HistogramFit, FindsTheShapeThatTheScatterHas) {
   const std::pair<Scatter, DensityShape> cases[] = {{Scatter::asymmetric_laplace, DensityShape::two_exponentials},
-                                                    {Scatter::normal, DensityShape::normal},
-                                                    {Scatter::gumbel, DensityShape::gumbel},
-                                                    {Scatter::student_t3, DensityShape::student_t}};
+                                                    {Scatter::normal, DensityShape::normal}};
   for (const double noise : {0.0, 1e-4})
     for (const auto& [scatter, shape] : cases) {
       SyntheticRun run;
@@ -130,29 +128,15 @@ TEST(HistogramFit, FindsTheShapeThatTheScatterHas) {
       config.centres_mps = {0.3, 0.5};  // some 5000 and 3000 samples: enough to decide
       for (const auto& h : fit_histograms(independent_samples(run, 30000, 0.2, 1.4, noise), config, truth_of(run))) {
         SCOPED_TRACE(std::string(to_string(shape)) + " " + std::to_string(h.v_mps));
-        ASSERT_EQ(h.shapes.size(), 4u);
+        ASSERT_EQ(h.shapes.size(), 2u);
         const ShapeFit& right = shape_fit(h, shape);
         EXPECT_EQ(right.status, FitStatus::ok);
         EXPECT_GT(*right.p_value, 1e-5);
         for (const ShapeFit& other : h.shapes) {
           if (&other == &right) continue;
-          // a Student t of many degrees of freedom is a normal with one parameter more
-          const bool contains = shape == DensityShape::normal && other.shape == DensityShape::student_t;
-          EXPECT_GT(other.delta_aic - right.delta_aic, contains ? -8.0 : 10.0) << to_string(other.shape);
+          EXPECT_GT(other.delta_aic - right.delta_aic, 10.0) << to_string(other.shape);
         }
       }
-    }
-}
-
-TEST(HistogramFit, BinnedFitAgreesWithTheUnbinned) {
-  // the same samples, so the difference is what the bins lose: small against the standard error
-  for (const double noise : {0.0, 3e-4})
-    for (const auto& h : fit_histograms(independent_samples({}, 40000, 0.2, 1.4, noise), {}, truth_of({}))) {
-      const auto& binned = shape_fit(h, DensityShape::two_exponentials).parameters;
-      EXPECT_NEAR(binned[0].estimate.value, h.peak_eps->value, 1.5 * *h.peak_eps->se) << h.v_mps;
-      EXPECT_NEAR(binned[1].estimate.value, h.slope_rising->value, *h.slope_rising->se) << h.v_mps;
-      EXPECT_NEAR(binned[2].estimate.value, h.slope_falling->value, *h.slope_falling->se) << h.v_mps;
-      EXPECT_NEAR(*binned[1].estimate.se / *h.slope_rising->se, 1.0, 0.15);
     }
 }
 

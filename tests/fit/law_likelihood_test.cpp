@@ -55,62 +55,6 @@ TEST(LawLikelihood, GradientIsThatOfItsValueForEveryFamily) {
     }
 }
 
-/// By differences of the gradient over a small part of a standard error.
-Eigen::MatrixXd curvature_by_gradients(const LawLikelihood& likelihood, const Eigen::VectorXd& theta) {
-  constexpr double kStep = 1e-6;
-  Eigen::MatrixXd h(theta.size(), theta.size());
-  for (Eigen::Index i = 0; i < theta.size(); ++i) {
-    Eigen::VectorXd ahead = theta, behind = theta, of_ahead, of_behind;
-    ahead[i] += kStep;
-    behind[i] -= kStep;
-    likelihood(ahead, &of_ahead);
-    likelihood(behind, &of_behind);
-    h.col(i) = (of_behind - of_ahead) / (2.0 * kStep);
-  }
-  return h;
-}
-
-TEST(LawLikelihood, ObservedInformationIsTheCurvatureOfTheLogLikelihood) {
-  constexpr std::size_t kTimes = 200;  // so often the few samples: the differences are over 1 % of the scatter's width
-  const LawData few = few_samples();
-  LawData data;
-  for (std::size_t k = 0; k < few.size() * kTimes; ++k) {
-    const std::size_t i = k / kTimes;
-    data.v_mps.push_back(few.v_mps[i]);
-    data.eps.push_back(few.eps[i]);
-    data.tau.push_back(0.0015);  // as wide as the scatter: without kinks
-    data.drop.push_back(k % 7);
-  }
-  for (const ScatterKind kind : {ScatterKind::normal_laplace, ScatterKind::asymmetric_laplace,
-                                 ScatterKind::symmetric_laplace, ScatterKind::normal}) {
-    for (const LawKind law : {LawKind::series, LawKind::viscoelastic}) {
-      const LawModel model = make_law_model(law, {2, 4}, data.v_mps);
-      const ScatterFamily family{kind, 2, 0.3, 0.01};
-      const LawLikelihood likelihood(data, model, family);
-      Eigen::VectorXd theta = Eigen::VectorXd::Zero(likelihood.n_parameters());
-      const Eigen::Index n_law = model.n_parameters();
-      if (law == LawKind::series)
-        theta.head(2) << 0.949, 0.946;
-      else
-        theta[0] = std::log(0.006);
-      for (Eigen::Index i = n_law; i + 1 < theta.size(); i += 2) {
-        theta[i] = std::log(i == n_law ? 0.0015 : 0.002);
-        theta[i + 1] = -0.3;
-      }
-      if (kind == ScatterKind::normal_laplace) theta[theta.size() - 1] = 0.2;
-      const Eigen::MatrixXd found = likelihood.observed_information(theta);
-      const Eigen::MatrixXd expected = curvature_by_gradients(likelihood, theta);
-      const Eigen::VectorXd size = likelihood.information(theta).diagonal().cwiseSqrt();
-      // third and fourth derivatives over the 1 %, squared, and kinks of the peak's interpolation between knots
-      for (Eigen::Index i = 0; i < theta.size(); ++i)
-        for (Eigen::Index j = 0; j < theta.size(); ++j)
-          EXPECT_NEAR(found(i, j) / (size[i] * size[j]), expected(i, j) / (size[i] * size[j]),
-                      1e-3 * (1.0 + std::abs(expected(i, j)) / (size[i] * size[j])))
-              << to_string(law) << static_cast<int>(kind) << i << j;
-    }
-  }
-}
-
 TEST(LawLikelihood, OnlyTheLostBounceIsProbablyLost) {
   const LawData data = few_samples();
   const LawModel model = make_law_model(LawKind::series, {2, 4}, data.v_mps);

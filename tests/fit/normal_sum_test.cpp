@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "curve/normal_sum.hpp"
+#include "curve/curve_sum.hpp"
 
 #include <gtest/gtest.h>
 

@@ -148,6 +148,37 @@ TEST(KindsOfDrops, AreTwoWhereThereAreTwoBallsAndNotWhereDropsOfOneDiffer) {
   }
 }
 
+/// Two drops in one sound.
+RestitutionSamples of_two_drops(std::size_t n_bounces, double sd, double other, std::uint64_t seed) {
+  Random random(seed, RandomStream::test, 4);
+  RestitutionSamples samples;
+  for (const double eps : {0.85, other}) {
+    double v_mps = 2.0;
+    for (std::size_t k = 0; k < n_bounces; ++k) {
+      RestitutionSample s;
+      s.drop = static_cast<std::int64_t>(samples.size() / n_bounces);
+      s.impact = static_cast<std::int64_t>(k);
+      s.v_mps = v_mps;
+      s.eps = eps + sd * random.normal();
+      v_mps *= s.eps;
+      samples.push_back(s);
+    }
+  }
+  return samples;
+}
+
+TEST(KindsOfDrops, AreTwoOfTwoSingleDropsOfTwoBallsAndOneOfOneBall) {
+  std::size_t n_false = 0;
+  const auto n = test::repetitions<std::size_t>(200, 2000);
+  for (std::uint64_t seed = 1; seed <= n; ++seed) {
+    const auto two = two_kinds_of_drops(of_two_drops(5, 4e-3, 0.65, seed));
+    ASSERT_TRUE(two) << seed;
+    EXPECT_NEAR(two->eps_upper - two->eps_lower, 0.2, 0.02);
+    for (const double sd : {4e-3, 3e-2}) n_false += two_kinds_of_drops(of_two_drops(5, sd, 0.85, seed)) ? 1 : 0;
+  }
+  EXPECT_LE(n_false, test::most_of(2 * n, 0.01));
+}
+
 TEST(KindsOfDrops, OneBallFromTwoHeightsIsOfOneKindThoughNothingScatters) {
   for (const double other_mps : {2.0, 10.0}) {
     RestitutionSamples samples;

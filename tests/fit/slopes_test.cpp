@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "curve/slopes.hpp"
+#include "curve/curve_at.hpp"
 
 #include <gtest/gtest.h>
 

@@ -18,8 +18,6 @@ double scatter_of(const SyntheticRun& run, double v_mps, Random& random) {
       return random.uniform() < above / (above + below) ? above * random.exponential() : -below * random.exponential();
     case Scatter::normal:
       return above * random.normal();
-    case Scatter::gumbel:
-      return above * std::log(random.exponential());
     case Scatter::student_t3: {
       double chi2 = 0.0;
       for (int i = 0; i < 3; ++i) chi2 += std::pow(random.normal(), 2);

@@ -9,8 +9,7 @@
 
 namespace bouncelab::testing {
 
-/// gumbel: long tail to low eps.
-enum class Scatter { asymmetric_laplace, normal, student_t3, gumbel };
+enum class Scatter { asymmetric_laplace, normal, student_t3 };
 
 /// Samples as a real run has them, from our own small model and not from the simulator: drops from 9 to 10 cm, each
 /// impact's eps drawn about the law, the next speed = eps * speed; then times with timing noise, read back by eq. 2.

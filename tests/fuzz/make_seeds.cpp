@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "bouncelab/audio/annotations.hpp"
-#include "bouncelab/audio/audio_writer.hpp"
+#include "bouncelab/audio/sound_file.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/impacts.hpp"
 #include "bouncelab/core/onsets.hpp"
@@ -165,8 +165,12 @@ void write_marks(const Seeds& seeds) {
       "File type = \"ooTextFile\"\nObject class = \"TextGrid\"\n\n0\n1\n<exists>\n2\n\"IntervalTier\"\n\"w\"\n0\n1"
       "\n1\n0\n1\n\"\"\n\"TextTier\"\n\"a.wav\"\n0\n1\n1\n0.5\n\"0.1 t_s=0.5\"\n");
   seeds.write("sonic_visualiser", "layer", audio::sonic_visualiser_layer(marks, kRate_hz, kFrames));
-  for (const char* name : {"12.wav", "12.rf64"})
-    audio::copy_with_cues(seeds.path("audio", name), marks, seeds.path("wav_cues", name), name);
+  for (const char* name : {"12.wav", "12.rf64"}) {
+    std::string copy;
+    audio::copy_with_cues(
+        seeds.path("audio", name), marks, [&](std::string_view bytes) { copy += bytes; }, name);
+    seeds.write("wav_cues", name, copy);
+  }
 }
 
 void write_foreign(const Seeds& seeds) {

@@ -13,7 +13,7 @@
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/report/answer.hpp"
 #include "bouncelab/report/notes.hpp"
-#include "numerics/distributions.hpp"
+#include "numerics/numerics.hpp"
 #include "synthetic_samples.hpp"
 
 namespace bouncelab::report {

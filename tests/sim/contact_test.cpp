@@ -8,7 +8,6 @@
 #include "../reference/brute_force.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/random.hpp"
-#include "bouncelab/sim/energy.hpp"
 
 namespace bouncelab::sim {
 namespace {

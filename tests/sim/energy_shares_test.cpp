@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "bouncelab/sim/energy.hpp"
+#include "bouncelab/sim/contact.hpp"
 
 #include <gtest/gtest.h>
 

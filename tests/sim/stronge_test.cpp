@@ -6,7 +6,6 @@
 
 #include "bouncelab/core/random.hpp"
 #include "bouncelab/sim/contact.hpp"
-#include "bouncelab/sim/energy.hpp"
 #include "support/statistics.hpp"
 
 namespace bouncelab::sim {

@@ -3,10 +3,8 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cerrno>
 #include <csignal>
-#include <cstddef>
 #include <cstdlib>
 #include <cstring>
 #include <exception>
@@ -25,30 +23,10 @@
 #include "bouncelab/core/text.hpp"
 #include "bouncelab/report/notes.hpp"
 #include "options/commands.hpp"
-#include "options/config_file.hpp"
-#include "options/parser.hpp"
 #include "stages/run.hpp"
 
 namespace bouncelab::cli {
 namespace {
-
-/// nlohmann::json's destructor asks for memory, as much as a twentieth of what it frees, and ends the process where it
-/// gets none; a message needs some kilobytes.
-constexpr std::size_t kReserve_bytes = 1 << 20;
-
-std::atomic<void*> reserve{nullptr};
-
-/// Gives back what was kept so that destructors and the message of a shortage find memory. The first operator new that
-/// fails has done so already; what fails elsewhere (FFTW) has not. Does nothing from the second call on.
-void release_reserve() noexcept { ::operator delete(reserve.exchange(nullptr)); }
-
-/// Destructors that run because of an exception may not fail: they get what was kept. All others learn of the shortage,
-/// with the reserve free for what follows.
-void when_memory_is_short() {
-  const bool kept = reserve.load() != nullptr;
-  release_reserve();
-  if (!kept || std::uncaught_exceptions() == 0) throw std::bad_alloc();
-}
 
 /// The one line for a process that is out of memory, without asking for any.
 void say_out_of_memory() noexcept {
@@ -56,20 +34,17 @@ void say_out_of_memory() noexcept {
   (void)!::write(STDERR_FILENO, kMessage.data(), kMessage.size());
 }
 
-std::terminate_handler usual_end = nullptr;
-
-/// Where nothing may be thrown a shortage ends the process: Ceres' timers ask for memory in their destructors.
-void end_of_process() {
-  if (reserve.load() != nullptr) usual_end();
-  say_out_of_memory();
-  std::_Exit(kFileError);
-}
-
-/// To be called first. @throws std::bad_alloc  where not even the reserve can be had
-void keep_reserve() {
-  reserve = ::operator new(kReserve_bytes);  // its pages are never touched
-  std::set_new_handler(when_memory_is_short);
-  usual_end = std::set_terminate(end_of_process);
+/// Where nothing may be thrown a shortage ends the process: destructors (nlohmann::json's, Ceres' timers) ask for
+/// memory.
+[[noreturn]] void end_of_process() {
+  try {
+    if (std::current_exception()) throw;
+  } catch (const std::bad_alloc&) {
+    say_out_of_memory();
+    std::_Exit(kFileError);
+  } catch (...) {  // NOLINT(bugprone-empty-catch): the process is ended below
+  }
+  std::abort();
 }
 
 bool is_command(const std::vector<std::string>& typed) {
@@ -278,7 +253,6 @@ int run_and_report(const std::vector<std::string>& line) {
   } catch (const std::filesystem::filesystem_error& error) {
     return fail("bouncelab: " + error.path1().string() + ": " + error.code().message(), kFileError, json);
   } catch (const std::bad_alloc&) {
-    release_reserve();
     return fail("bouncelab: out of memory; ask for less at once", kFileError, json);
   } catch (const std::exception& error) {
     return fail("bouncelab: unexpected error: " + printable(error.what(), kMessage_characters - 100) +
@@ -292,7 +266,7 @@ int run_and_report(const std::vector<std::string>& line) {
 
 int main(int argc, char** argv) try {
   using namespace bouncelab;
-  cli::keep_reserve();
+  std::set_terminate(cli::end_of_process);
   cli::keep_standard_descriptors();
   cli::notice_signals();
   return cli::run_and_report({argv, argv + argc});

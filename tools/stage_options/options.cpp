@@ -127,7 +127,8 @@ namespace {
 
 std::string hard_case_help() {
   std::string help = "A recording in which impacts are hard to detect, or none:";
-  for (const synthesis::HardCase& hard : synthesis::hard_cases()) help += "\n  " + hard.name + ": " + hard.what;
+  for (const synthesis::HardCase& hard : synthesis::hard_cases())
+    help += std::string("\n  ") + hard.name + ": " + hard.what;
   return help;
 }
 

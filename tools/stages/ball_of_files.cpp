@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// The value that an option had in the files' history; empty: none, or not known.
+/// The value of an option in the files' provenance; empty: none, or not known.
 /// @param by  the option by which a user may say what holds for all
 std::string common_parameter(const std::vector<std::string>& files, const std::string& option, const std::string& by) {
   const auto of = [&](const std::string& file) { return parameter_in_provenance(file, option).value_or(""); };
@@ -46,16 +46,24 @@ bool are_simulated(const std::vector<std::string>& files) {
 
 }  // namespace
 
-void keep_conditions_of(const std::string& impacts, Parameters& parameters) {
-  for (const char* option : {"asperities", "drag", "gravity"})
-    if (const auto value = parameter_in_provenance(impacts, option)) parameters.push_back({option, {*value}});
+void keep_conditions_of(const std::vector<std::string>& files, Parameters& parameters) {
+  for (const std::string option : {"ball", "plate", "asperities", "drag", "gravity"}) {
+    const auto value = parameter_in_provenance(files.front(), option);
+    if (!value) continue;
+    const bool is_of_all = std::all_of(files.begin(), files.end(), [&](const std::string& file) {
+      return file == files.front() || parameter_in_provenance(file, option) == value;
+    });
+    const bool is_given = std::any_of(parameters.begin(), parameters.end(),
+                                      [&](const Parameter& parameter) { return parameter.name == option; });
+    if (is_of_all && !is_given) parameters.push_back({option, {*value}});
+  }
 }
 
 namespace {
 
 [[noreturn]] void refuse_history(const std::string& file, const std::string& option, const std::string& why) {
-  throw FileError(file, "its --" + option + ", as a provenance (.meta.json) in its history has it, cannot be taken: " +
-                            why + "; say what it is with --" + option);
+  throw FileError(file, "its --" + option + ", as its provenance (.meta.json) has it, cannot be taken: " + why +
+                            "; say what it is with --" + option);
 }
 
 }  // namespace

@@ -13,8 +13,10 @@ namespace bouncelab::stages {
 /// @throws FileError where the provenance cannot be read; InvalidArgument where the files were made with several
 BallChoice with_provenance(BallChoice choice, const std::vector<std::string>& files);
 
-/// Puts how impacts were simulated among the parameters of what is made of them, which may get about without them.
-void keep_conditions_of(const std::string& impacts, Parameters& parameters);
+/// Puts the ball, the plate and how impacts were simulated, where it is the same of all files, among the parameters of
+/// what is made of them: only the provenance beside a file is read, not those of its inputs.
+/// @param files  at least one
+void keep_conditions_of(const std::vector<std::string>& files, Parameters& parameters);
 
 /// What is known of how the files' impacts came about, where no option says otherwise: ball and plate; of a simulation
 /// gravity and whether there was air (contacts take no time in it). @throws as with_provenance

@@ -8,7 +8,6 @@
 #include <iterator>
 #include <utility>
 
-#include "bouncelab/core/child_process.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/files.hpp"
 #include "bouncelab/core/parallel.hpp"

@@ -301,10 +301,7 @@ loop::LoopConfig config_of_run(const LoopOptions& options, const Run& run) {
   config.with_smooth_ball = config.with_direct = is_paper(options);
   config.with_memory = is_paper(options) && !options.without_memory;
   if (!is_paper(options)) config.recording = fs::path(options.out) / "recording.wav";
-  if (config.sound_folder) {
-    fs::create_directories(*config.sound_folder);
-    remove_abandoned_files(*config.sound_folder);  // also where all recordings are there already
-  }
+  if (config.sound_folder) fs::create_directories(*config.sound_folder);
   return config;
 }
 

@@ -13,8 +13,7 @@
 #include <string_view>
 #include <utility>
 
-#include "bouncelab/audio/audio_writer.hpp"
-#include "bouncelab/core/child_process.hpp"
+#include "bouncelab/audio/sound_file.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/files.hpp"
 #include "bouncelab/core/impacts.hpp"
@@ -153,14 +152,6 @@ Codec codec_of(const std::string& text) {
                         "' is not NAME:KBITS, aac, mp3, opus or vorbis and 6 to 512 kbit/s: aac:64");
 }
 
-/// The first line that ffmpeg complains in, without where in memory its encoder lies: "[libvorbis @ 0x55ba15f57840]".
-std::string reason_of(const std::string& complaints) {
-  std::string line = complaints.substr(0, complaints.find('\n'));
-  if (const std::size_t at = line.find(" @ 0x"); at != std::string::npos)
-    line.erase(at, std::min(line.find(']', at), line.size()) - at);
-  return line.empty() ? "no reason given" : line;
-}
-
 std::filesystem::path ffmpeg_for_codec() {
   if (const auto found = find_program("ffmpeg")) return *found;
   throw FileError("--codec",
@@ -181,7 +172,7 @@ void write_coded(const std::filesystem::path& sound, const Codec& codec, const a
   if (!encoded.ended_well)
     throw InvalidArgument("--codec: ffmpeg cannot encode " + n_channels + " channels at " +
                           std::to_string(spec.rate_hz) + " Hz by " + codec.encoder + " at " +
-                          std::to_string(codec.kbits_per_s) + " kbit/s: " + reason_of(encoded.complaints));
+                          std::to_string(codec.kbits_per_s) + " kbit/s: " + first_complaint(encoded.complaints));
   ChildProcess decoder(ffmpeg,
                        {"-nostdin", "-v", "error", "-i", coded, "-ar", std::to_string(spec.rate_hz), "-ac", n_channels,
                         "-f", "f32le", "pipe:1"},
@@ -200,7 +191,7 @@ void write_coded(const std::filesystem::path& sound, const Codec& codec, const a
     write_piece(n_decoded);
   }
   if (left > 0 && !decoder.ended_well())
-    throw FileError(out.string(), "ffmpeg cannot decode what it encoded: " + reason_of(decoder.complaints()));
+    throw FileError(out.string(), "ffmpeg cannot decode what it encoded: " + first_complaint(decoder.complaints()));
   std::fill(piece.begin(), piece.end(), 0.0F);  // an encoder may cut off the last frames
   while (left > 0) write_piece(piece.size());
   writer.commit();

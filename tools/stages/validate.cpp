@@ -212,7 +212,7 @@ Outcome run_marks(const ValidateOptions& options) {
 void remove_former(const fs::path& folder, const std::set<fs::path>& kept) {
   std::vector<fs::path> files;
   for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder))
-    if (entry.is_regular_file() && is_written_with(entry.path(), "offset-only") &&
+    if (entry.is_regular_file() && parameter_in_provenance(entry.path(), "offset-only") &&
         !kept.contains(fs::weakly_canonical(entry.path())))
       files.push_back(entry.path());
   for (const fs::path& file : files) fs::remove(file), fs::remove(provenance_path(file));

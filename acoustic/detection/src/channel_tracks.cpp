@@ -8,7 +8,7 @@
 
 #include "bouncelab/core/elementary.hpp"
 #include "tracking/tracking_model.hpp"
-#include "whitening/decimate.hpp"
+#include "whitening/whitening.hpp"
 
 namespace bouncelab::detection {
 namespace {

@@ -6,13 +6,12 @@
 #include <span>
 #include <vector>
 
-#include "bouncelab/audio/audio_reader.hpp"
+#include "bouncelab/audio/sound_file.hpp"
 #include "bouncelab/core/parallel.hpp"
-#include "candidates/band_energies.hpp"
 #include "candidates/candidates.hpp"
 #include "model_number.hpp"
 #include "tracking/tracker.hpp"
-#include "whitening/linear_prediction.hpp"
+#include "whitening/whitening.hpp"
 
 namespace bouncelab::detection {
 

@@ -8,16 +8,15 @@
 #include <system_error>
 #include <utility>
 
-#include "bouncelab/audio/audio_reader.hpp"
-#include "bouncelab/core/child_process.hpp"
+#include "bouncelab/audio/sound_file.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/files.hpp"
 #include "bouncelab/core/numerics.hpp"
 #include "bouncelab/core/text.hpp"
 #include "channel_tracks.hpp"
-#include "drops/recording_timer.hpp"
+#include "drops/drop_timer.hpp"
 #include "tracking/tracking_model.hpp"
-#include "whitening/linear_prediction.hpp"
+#include "whitening/whitening.hpp"
 
 namespace bouncelab::detection {
 namespace {
@@ -115,13 +114,10 @@ Detection detect_in(const std::vector<audio::AudioSource>& channels, std::vector
                     const std::string& name, const DetectionConfig& config, int n_threads,
                     const ProgressCallback& progress) {
   const auto n_channels = static_cast<int>(channels.size());
-  if (!(config.gravity_mps2 > 0.0 && std::isfinite(config.gravity_mps2)))
-    throw InvalidArgument("gravity_mps2 " + std::to_string(config.gravity_mps2) + ": must be above 0 and finite");
-  if (config.drop_height_m && !(*config.drop_height_m > 0.0 && std::isfinite(*config.drop_height_m)))
-    throw InvalidArgument("drop_height_m " + std::to_string(*config.drop_height_m) + ": must be above 0 and finite");
-  if (config.min_impacts < 3)
-    throw InvalidArgument("min_impacts " + std::to_string(config.min_impacts) +
-                          ": at least 3 impacts give a coefficient of restitution");
+  for (const auto& [what, value] :
+       {std::pair{"gravity_mps2 ", config.gravity_mps2}, {"drop_height_m ", config.drop_height_m.value_or(1.0)}})
+    if (!(value > 0.0 && std::isfinite(value)))
+      throw InvalidArgument(what + std::to_string(value) + ": must be above 0 and finite");
   if (config.channel && (*config.channel < 0 || *config.channel >= n_channels))
     throw InvalidArgument("channel " + std::to_string(*config.channel) + ": " + name + " has channels 0 to " +
                           std::to_string(n_channels - 1));

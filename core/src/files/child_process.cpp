@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "bouncelab/core/child_process.hpp"
+#include "bouncelab/core/files.hpp"
 
 #include <fcntl.h>
 #include <poll.h>
@@ -14,7 +14,6 @@
 #include <cerrno>
 #include <cmath>
 #include <csignal>
-#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <exception>
@@ -26,6 +25,7 @@
 
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/parallel.hpp"
+#include "bouncelab/core/text.hpp"
 
 namespace bouncelab {
 namespace {
@@ -159,12 +159,6 @@ void write_to(int descriptor, std::span<const std::byte> bytes) {
 
 // ---- messages
 
-std::string amount(double value, const char* unit) {
-  std::array<char, 64> text{};
-  std::snprintf(text.data(), text.size(), "%.0f %s", value, unit);
-  return text.data();
-}
-
 /// The message of a FileError of the file, which is to be thrown again.
 std::string without_name(const std::string& message, const std::string& file) {
   const std::string name = FileError(file, "").what();
@@ -256,7 +250,7 @@ void ChildProcess::take_complaints() {
 void ChildProcess::check_elapsed() const {
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - started_;
   if (limits_.elapsed_s > 0.0 && elapsed.count() > limits_.elapsed_s)
-    throw FileError(file_, "the program was ended after " + amount(limits_.elapsed_s, "s"));
+    throw FileError(file_, "the program was ended after " + formatted("%.0f s", limits_.elapsed_s));
 }
 
 std::size_t ChildProcess::read(std::span<std::byte> out) {
@@ -315,7 +309,8 @@ void ChildProcess::finish(const std::string& remedy) {
   if (!has_returned && status != -1 && WIFSIGNALED(status)) {
     const int signal = WTERMSIG(status);
     if (signal == SIGINT || signal == SIGTERM || signal == SIGHUP) throw Interrupted();
-    if (signal == SIGPROF) refuse("takes more than " + amount(limits_.cpu_s, "s") + " of processor time to read");
+    if (signal == SIGPROF)
+      refuse("takes more than " + formatted("%.0f s", limits_.cpu_s) + " of processor time to read");
     refuse(std::string("ended the process that read it (") + ::strsignal(signal) + ")");
   }
   switch (has_returned ? static_cast<ExitCode>(complaints_.front()) : kNotStarted) {
@@ -324,7 +319,8 @@ void ChildProcess::finish(const std::string& remedy) {
     case kThrewFileError:
       throw FileError(file_, without_name(complaint, file_));
     case kHadNoMemory:
-      refuse("takes more than " + amount(static_cast<double>(limits_.memory_bytes) / 1e6, "MB") + " of memory to read");
+      refuse("takes more than " + formatted("%.0f MB", static_cast<double>(limits_.memory_bytes) / 1e6) +
+             " of memory to read");
       break;
     case kThrewOther:
       refuse("cannot be read (" + complaint + ")");
@@ -344,11 +340,18 @@ ProgramResult run_program(const std::filesystem::path& program, const std::vecto
     result.ended_well = running.ended_well();
     result.end = running.end();
   } else {
-    result.end = "more than " + amount(static_cast<double>(most_bytes) / 1e6, "MB") + " of output";
+    result.end = "more than " + formatted("%.0f MB", static_cast<double>(most_bytes) / 1e6) + " of output";
   }
   result.complaints = running.complaints();
   result.processor_s = running.processor_s();
   return result;
+}
+
+std::string first_complaint(const std::string& complaints) {
+  std::string line = complaints.substr(0, complaints.find('\n'));
+  if (const std::size_t at = line.find(" @ 0x"); at != std::string::npos)
+    line.erase(at, std::min(line.find(']', at), line.size()) - at);
+  return line.empty() ? "no reason given" : line;
 }
 
 }  // namespace bouncelab

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "files/file_target.hpp"
+#include "files/descriptors.hpp"
 
 #include <sys/stat.h>
 #include <sys/sysmacros.h>

@@ -10,15 +10,16 @@
 #include <cerrno>
 #include <cstring>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <string>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/parallel.hpp"
-#include "files/file_target.hpp"
-#include "files/temporary_file.hpp"
+#include "files/descriptors.hpp"
 
 namespace bouncelab {
 namespace fs = std::filesystem;
@@ -103,66 +104,58 @@ fs::path readable(const fs::path& path) {
 
 // ---- bytes
 
-namespace {
+FileBytes::FileBytes(const fs::path& path) : FileBytes(-1, input_name(path)) {
+  const auto file = std::make_shared<Descriptor>(::open(readable(path).c_str(), O_RDONLY | O_CLOEXEC));
+  if (!file->is_open())
+    throw FileError(name_,
+                    "cannot be opened for reading (" + std::string(std::strerror(errno)) + "); check its permissions");
+  *this = FileBytes(file->get(), name_);
+  opened_ = file;
+}
 
-constexpr std::int64_t kWindow = 1 << 18;  // stays in the cache between the system's copy and its use
-
-}  // namespace
-
-struct FileBytes::State {
-  std::string name;
-  Descriptor file;
-  std::int64_t size = 0;
-  std::int64_t first = 0;  // of the window
-  std::vector<unsigned char> window;
-
-  void open_window(std::int64_t from, std::int64_t n_wanted) {
-    const std::int64_t n = std::min(size - from, std::max(n_wanted, kWindow));
-    window.resize(static_cast<std::size_t>(n));
-    first = from;
-    for (std::int64_t at = 0; at < n;) {
-      const ssize_t got = pread(file.get(), window.data() + at, static_cast<std::size_t>(n - at), from + at);
-      if (got < 0 && errno == EINTR) continue;
-      if (got <= 0) {
-        window.resize(static_cast<std::size_t>(at));
-        if (at >= n_wanted) return;
-        const std::string reason = got == 0 ? "was cut short meanwhile" : std::strerror(errno);
-        throw FileError(
-            name, "cannot be read at byte " + std::to_string(from + at) + " (" + reason + "); copy it to a local disk");
-      }
-      at += got;
-    }
-  }
-};
-
-FileBytes::FileBytes(const std::filesystem::path& path) : state_(std::make_unique<State>()) {
-  state_->name = input_name(path);
-  state_->file = Descriptor(open(readable(path).c_str(), O_RDONLY | O_CLOEXEC));
+FileBytes::FileBytes(int descriptor, std::string name) : name_(std::move(name)), descriptor_(descriptor) {
   struct stat status {};
-  if (!state_->file.is_open() || fstat(state_->file.get(), &status) != 0)
-    throw FileError(state_->name, "cannot be opened for reading: " + std::string(std::strerror(errno)));
-  state_->size = status.st_size;
+  if (descriptor >= 0 && ::fstat(descriptor, &status) != 0) error_ = errno;
+  size_ = status.st_size;
 }
 
-FileBytes::FileBytes(FileBytes&&) noexcept = default;
-FileBytes& FileBytes::operator=(FileBytes&&) noexcept = default;
-FileBytes::~FileBytes() = default;
+FileBytes::FileBytes(std::span<const std::byte> bytes, std::string name)
+    : name_(std::move(name)), memory_(bytes), size_(std::ssize(bytes)) {}
 
-std::int64_t FileBytes::size() const { return state_->size; }
-
-std::span<const unsigned char> FileBytes::at(std::int64_t first, std::int64_t n) {
-  State& s = *state_;
-  if (n <= 0) return {};
-  if (first < 0 || first + n > s.size)
-    throw FileError(s.name, "ends at byte " + std::to_string(s.size) + ", before what was expected there");
-  if (first < s.first || first + n > s.first + std::ssize(s.window)) s.open_window(first, n);
-  return {s.window.data() + (first - s.first), static_cast<std::size_t>(n)};
+std::int64_t FileBytes::read(std::int64_t first, std::span<std::byte> out) {
+  if (first < 0) return 0;
+  if (descriptor_ < 0) {
+    const std::int64_t n = std::clamp<std::int64_t>(size_ - first, 0, std::ssize(out));
+    std::copy_n(memory_.begin() + (n > 0 ? first : 0), n, out.begin());
+    return n;
+  }
+  std::int64_t n = 0;
+  while (n < std::ssize(out)) {
+    const ssize_t got = ::pread(descriptor_, out.data() + n, out.size() - static_cast<std::size_t>(n), first + n);
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) error_ = errno;
+    if (got <= 0) break;
+    n += got;
+  }
+  return n;
 }
 
-std::string whole_content(const std::filesystem::path& path) {
+std::string FileBytes::text(std::int64_t first, std::size_t n) {
+  std::string text(n, '\0');
+  text.resize(static_cast<std::size_t>(read(first, std::as_writable_bytes(std::span(text)))));
+  return text;
+}
+
+void FileBytes::check() const {
+  if (error_ != 0)
+    throw FileError(name_, std::string("cannot be read (") + std::strerror(error_) + "); copy it to a local disk");
+}
+
+std::string whole_content(const fs::path& path) {
   FileBytes file(path);
-  const auto bytes = file.at(0, file.size());
-  return {bytes.begin(), bytes.end()};
+  std::string content = file.text(0, static_cast<std::size_t>(file.size()));
+  file.check();
+  return content;
 }
 
 }  // namespace bouncelab

@@ -6,10 +6,7 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstdio>
 #include <cstring>
-#include <mutex>
-#include <set>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -17,21 +14,12 @@
 
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/parallel.hpp"
-#include "files/file_target.hpp"
-#include "files/temporary_file.hpp"
+#include "files/descriptors.hpp"
 
 namespace bouncelab {
 namespace fs = std::filesystem;
 
 namespace {
-
-/// Each folder once in a process: what other processes leave later is for the next one.
-void remove_abandoned_files_once(const fs::path& folder) {
-  static std::mutex mutex;
-  static std::set<fs::path> done;
-  const std::lock_guard lock(mutex);
-  if (done.insert(folder).second) remove_abandoned_files(folder);
-}
 
 FileTarget checked_target(const fs::path& path, bool may_replace) {
   const std::string name = path.string();
@@ -80,24 +68,39 @@ struct OutputFile::State {
   fs::path path;  // as it was given
   FileTarget target;
   bool may_replace = false;
-  bool is_in_place = false;
+  fs::path folder;
   TemporaryFile temporary;
 
   ~State() {
-    if (!is_in_place) ::unlink(temporary.path.c_str());
+    if (!temporary.path.empty()) ::unlink(temporary.path.c_str());
   }
-  void rename_into_place() {
-#ifdef RENAME_NOREPLACE
-    if (!may_replace) {
-      if (::renameat2(AT_FDCWD, temporary.path.c_str(), AT_FDCWD, target.path.c_str(), RENAME_NOREPLACE) == 0) return;
-      if (errno == EEXIST) throw FileExists(path.string());
-      if (errno != EINVAL && errno != ENOSYS) fail_to_rename();
+
+  /// Gives the file that has no name one. @return 0 or errno
+  int link_to(const fs::path& name) const {
+    const std::string file = "/proc/self/fd/" + std::to_string(temporary.descriptor.get());
+    return ::linkat(AT_FDCWD, file.c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW) == 0 ? 0 : errno;
+  }
+
+  void put_in_place() {
+    if (temporary.path.empty() && !may_replace) {
+      const int error = link_to(target.path);
+      if (error == EEXIST) throw FileExists(path.string());
+      return check(error);
     }
-#endif
-    if (::rename(temporary.path.c_str(), target.path.c_str()) != 0) fail_to_rename();
+    // a link replaces nothing: the file gets a free name, which only a process that is killed at this moment leaves
+    if (temporary.path.empty()) {
+      fs::path name = free_name(folder);
+      check(link_to(name));
+      temporary.path = std::move(name);
+    } else if (!may_replace && fs::exists(target.path)) {
+      throw FileExists(path.string());
+    }
+    check(::rename(temporary.path.c_str(), target.path.c_str()) == 0 ? 0 : errno);
+    temporary.path.clear();
   }
-  [[noreturn]] void fail_to_rename() const {
-    throw FileError(path.string(), "cannot be put in place: " + std::string(std::strerror(errno)));
+
+  void check(int error) const {
+    if (error != 0) throw FileError(path.string(), "cannot be put in place: " + std::string(std::strerror(error)));
   }
 };
 
@@ -105,15 +108,15 @@ OutputFile::OutputFile(fs::path path, bool may_replace) {
   FileTarget target = checked_target(path, may_replace);
   const bool to_stream = target.kind == FileTarget::Kind::stream;
   const fs::path folder = to_stream ? folder_for_temporary_files() : target.path.parent_path();
-  remove_abandoned_files_once(folder);
   // what few may read few may read while it is written
   const mode_t mode = to_stream ? 0600 : target.kind == FileTarget::Kind::regular ? (target.mode & 0777) | 0600 : 0666;
   try {
-    TemporaryFile temporary = make_temporary_file(folder, path.extension().string(), mode);
+    TemporaryFile temporary = make_temporary_file(folder, mode);
     state_ = std::make_unique<State>();
     state_->path = std::move(path);
     state_->target = std::move(target);
     state_->may_replace = may_replace;
+    state_->folder = folder;
     state_->temporary = std::move(temporary);
   } catch (const std::system_error& error) {
     throw FileError(path.string(), (to_stream ? "a temporary file in " + folder.string() + " cannot be written ("
@@ -124,22 +127,21 @@ OutputFile::OutputFile(fs::path path, bool may_replace) {
 
 OutputFile::~OutputFile() = default;
 
-const fs::path& OutputFile::temporary_path() const { return state_->temporary.path; }
+int OutputFile::descriptor() const { return state_->temporary.descriptor.get(); }
+const fs::path& OutputFile::folder() const { return state_->folder; }
 
 void OutputFile::write(std::string_view bytes) {
-  if (const int error = write_all(state_->temporary.descriptor.get(), bytes.data(), bytes.size()); error != 0)
+  if (const int error = write_all(descriptor(), bytes.data(), bytes.size()); error != 0)
     throw FileError(state_->path.string(), why_writing_failed(error));
 }
 
 void OutputFile::commit() {
   State& s = *state_;
   if (s.target.kind == FileTarget::Kind::stream)
-    return copy_to_stream(s.target, s.temporary.descriptor.get(), s.path == "-" ? "standard output" : s.path.string());
+    return copy_to_stream(s.target, descriptor(), s.path == "-" ? "standard output" : s.path.string());
   // colleagues who could read the file before can read it after; without the right to change it, it is as new
-  if (s.target.kind == FileTarget::Kind::regular && ::fchmod(s.temporary.descriptor.get(), s.target.mode & 0777) != 0)
-    errno = 0;
-  s.rename_into_place();
-  s.is_in_place = true;
+  if (s.target.kind == FileTarget::Kind::regular && ::fchmod(descriptor(), s.target.mode & 0777) != 0) errno = 0;
+  s.put_in_place();
 }
 
 std::string why_writing_failed(int error) {
@@ -148,13 +150,6 @@ std::string why_writing_failed(int error) {
   if (error == EFBIG) return reason + "; raise the limit of the size of files (ulimit -f), or write to another disk";
   if (error == ENOSPC || error == EDQUOT) return reason + "; make room, or write to another disk";
   return reason;
-}
-
-void close_written(std::ofstream& file, const fs::path& name) {
-  errno = 0;
-  const bool was_good = file.good();
-  file.close();
-  if (!was_good || !file) throw FileError(name.string(), why_writing_failed(errno));
 }
 
 void write_whole(const fs::path& path, std::string_view content, bool may_replace) {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "files/temporary_file.hpp"
+#include "files/descriptors.hpp"
 
-#include <dirent.h>
 #include <fcntl.h>
 #include <poll.h>
 #include <sys/file.h>
@@ -11,7 +10,6 @@
 #include <algorithm>
 #include <cerrno>
 #include <climits>
-#include <csignal>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
@@ -29,69 +27,6 @@
 namespace bouncelab {
 namespace fs = std::filesystem;
 
-namespace {
-
-constexpr std::string_view kPrefix = ".bouncelab-";
-constexpr std::string_view kInfix = ".partial";
-constexpr std::size_t kLongestExtension = 16;  // longer ones are no format's, and names end at 255 bytes
-
-std::string hexadecimal(std::uint64_t number) {
-  char digits[17];
-  std::snprintf(digits, sizeof digits, "%08llx", static_cast<unsigned long long>(number & 0xFFFFFFFFu));
-  return digits;
-}
-
-/// Tells this machine's files from those of others on a network drive, whose locks may not be seen here.
-const std::string& machine() {
-  static const std::string name = [] {
-    char host[HOST_NAME_MAX + 1] = "";
-    ::gethostname(host, sizeof host - 1);
-    std::uint64_t hash = 0xcbf29ce484222325u;  // FNV-1a
-    for (const char* c = host; *c != '\0'; ++c) hash = (hash ^ static_cast<unsigned char>(*c)) * 0x100000001b3u;
-    return hexadecimal(hash ^ hash >> 32);
-  }();
-  return name;
-}
-
-/// std::random_device asks the processor what it is each time, which in a virtual machine takes twice 8 us.
-std::uint64_t random_number() {
-  std::uint64_t number = 0;
-  // where the system has none the name is the process's: one that exists is not taken
-  if (::getentropy(&number, sizeof number) != 0) number = static_cast<std::uint64_t>(std::clock());
-  return number;
-}
-
-[[noreturn]] void fail(int error) { throw std::system_error(error, std::generic_category()); }
-
-/// Whether the process that a temporary file is named after has ended.
-bool has_ended(const std::string& name, std::size_t pid_at) {
-  const long pid = std::strtol(name.c_str() + pid_at, nullptr, 10);
-  return pid > 0 && ::kill(static_cast<pid_t>(pid), 0) != 0 && errno == ESRCH;
-}
-
-/// A process that was killed while it started a child leaves its locks to the child, until that gets a processor for
-/// the first time and closes what it does not need: then they are waited for.
-LockResult lock_left_by(int descriptor, bool owner_has_ended) {
-  constexpr int kTries = 40;
-  constexpr useconds_t kBetween_us = 5'000;
-  LockResult lock = lock_exclusively(descriptor);
-  for (int k = 0; k < kTries && owner_has_ended && lock == LockResult::held_by_another; ++k) {
-    ::usleep(kBetween_us);
-    lock = lock_exclusively(descriptor);
-  }
-  return lock;
-}
-
-void remove_if_abandoned(const fs::path& path, bool owner_has_ended) {
-  const Descriptor file(::open(path.c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK));
-  struct stat status {};
-  if (!file.is_open() || ::fstat(file.get(), &status) != 0 || !S_ISREG(status.st_mode)) return;
-  if (lock_left_by(file.get(), owner_has_ended) != LockResult::taken || !has_name(file.get(), path)) return;
-  ::unlink(path.c_str());
-}
-
-}  // namespace
-
 Descriptor::Descriptor(Descriptor&& other) noexcept : number_(std::exchange(other.number_, -1)) {}
 Descriptor& Descriptor::operator=(Descriptor&& other) noexcept {
   std::swap(number_, other.number_);
@@ -101,68 +36,37 @@ Descriptor::~Descriptor() {
   if (number_ >= 0) ::close(number_);
 }
 
-LockResult lock_exclusively(int descriptor) {
-#ifdef F_OFD_SETLK
-  // of the opening, not of the process: it also excludes other threads
-  struct flock lock {};
-  lock.l_type = F_WRLCK;
-  lock.l_whence = SEEK_SET;
-  const int status = ::fcntl(descriptor, F_OFD_SETLK, &lock);
-#else
-  const int status = ::flock(descriptor, LOCK_EX | LOCK_NB);
+fs::path free_name(const fs::path& folder) {
+  // not by std::random_device, which asks the processor what it is each time: in a virtual machine twice 8 us
+  std::uint64_t number = 0;
+  if (::getentropy(&number, sizeof number) != 0) number = static_cast<std::uint64_t>(std::clock());
+  char name[40];
+  std::snprintf(name, sizeof name, ".bouncelab-%016llx", static_cast<unsigned long long>(number));
+  return folder / name;
+}
+
+TemporaryFile make_temporary_file(const fs::path& folder, mode_t mode) {
+#ifdef O_TMPFILE
+  if (Descriptor nameless(::open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, mode)); nameless.is_open())
+    return {std::move(nameless), {}};
 #endif
-  if (status == 0) return LockResult::taken;
-  return errno == EAGAIN || errno == EACCES ? LockResult::held_by_another : LockResult::not_supported;
-}
-
-bool has_name(int descriptor, const fs::path& path) {
-  struct stat opened {
-  }, named{};
-  return ::fstat(descriptor, &opened) == 0 && ::lstat(path.c_str(), &named) == 0 && opened.st_dev == named.st_dev &&
-         opened.st_ino == named.st_ino;
-}
-
-TemporaryFile make_temporary_file(const fs::path& folder, const std::string& extension, mode_t mode) {
-  const std::string ending = extension.size() <= kLongestExtension ? extension : std::string();
   for (;;) {
-    const fs::path path = folder / (std::string(kPrefix) + machine() + "-" + std::to_string(::getpid()) + "-" +
-                                    hexadecimal(random_number()) + std::string(kInfix) + ending);
+    const fs::path path = free_name(folder);
     Descriptor file(::open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, mode));
-    if (!file.is_open()) {
-      if (errno == EEXIST) continue;
-      fail(errno);
-    }
-    // another process that tidies up may have had it between its creation and its lock
-    if (lock_exclusively(file.get()) == LockResult::held_by_another || !has_name(file.get(), path)) continue;
-    return {path, std::move(file)};
+    if (file.is_open()) return {std::move(file), path};
+    if (errno != EEXIST) throw std::system_error(errno, std::generic_category());
   }
 }
 
 Descriptor make_nameless_file(const fs::path& folder) {
-#ifdef O_TMPFILE
-  Descriptor nameless(::open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600));
-  if (nameless.is_open()) return nameless;
-#endif
-  // network drives and some file systems cannot do that
-  TemporaryFile named = make_temporary_file(folder, "", 0600);
-  ::unlink(named.path.c_str());
-  return std::move(named.descriptor);
+  TemporaryFile file = make_temporary_file(folder, 0600);
+  if (!file.path.empty()) ::unlink(file.path.c_str());
+  return std::move(file.descriptor);
 }
 
 fs::path folder_for_temporary_files() {
   const char* named = std::getenv("TMPDIR");
   return named != nullptr && *named != '\0' ? fs::path(named) : fs::path("/tmp");
-}
-
-void remove_abandoned_files(const fs::path& folder) {
-  const std::string ours = std::string(kPrefix) + machine() + "-";
-  // not by fs::directory_iterator, which ends the process where it gets no memory
-  const std::unique_ptr<DIR, int (*)(DIR*)> entries(::opendir(folder.c_str()), &::closedir);
-  while (const dirent* entry = entries ? ::readdir(entries.get()) : nullptr) {
-    const std::string name = entry->d_name;
-    if (name.starts_with(ours) && name.find(kInfix, ours.size()) != std::string::npos)
-      remove_if_abandoned(folder / name, has_ended(name, ours.size()));
-  }
 }
 
 int write_all(int descriptor, const char* bytes, std::size_t n) {
@@ -235,6 +139,20 @@ std::string ScratchFile::at(std::int64_t first, std::size_t n) const {
 
 namespace {
 
+/// A lock on an open file, against every other opening of it on this machine and, where the file system can, on others.
+/// It ends with the descriptor, and so with the process, however that ends.
+bool is_locked_by_another(int descriptor) {
+  return ::flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;  // else the file system has no locks
+}
+
+/// Whether an open file is still the one that has this name.
+bool has_name(int descriptor, const fs::path& path) {
+  struct stat opened {
+  }, named{};
+  return ::fstat(descriptor, &opened) == 0 && ::lstat(path.c_str(), &named) == 0 && opened.st_dev == named.st_dev &&
+         opened.st_ino == named.st_ino;
+}
+
 std::string content_of(int descriptor) {
   char text[32];
   const ssize_t n = ::pread(descriptor, text, sizeof text, 0);
@@ -256,7 +174,7 @@ FolderLock::FolderLock(const fs::path& folder) {
     if (!file.is_open())
       throw FileError(folder.string(), "nothing can be written in this folder (" + std::string(std::strerror(errno)) +
                                            "); choose another one or check its permissions");
-    if (lock_exclusively(file.get()) == LockResult::held_by_another)
+    if (is_locked_by_another(file.get()))
       throw FileError(folder.string(), "another bouncelab (process " + content_of(file.get()) +
                                            ") is at work in this folder; wait for it, or choose another folder");
     // the one that had it deletes the file before it lets go

@@ -3,23 +3,9 @@
 
 #include <sleef.h>
 
-#include <algorithm>
-#include <array>
+#include "numerics/elementary_avx.hpp"
 
 // The "cinz" functions are SLEEF's own for the same bits everywhere, whatever registers they fill.
-
-#if defined(__x86_64__) && defined(__GNUC__)
-#define BOUNCELAB_FOUR_AT_ONCE
-#include <immintrin.h>
-
-// SLEEF's header has those for wide registers only where everything is compiled for them
-// NOLINTBEGIN(readability-identifier-naming): the library's
-extern "C" {
-__attribute__((target("avx"))) __m256d Sleef_cinz_expd4_u10avx(__m256d);
-__attribute__((target("avx"))) __m256d Sleef_cinz_logd4_u10avx(__m256d);
-}
-// NOLINTEND(readability-identifier-naming)
-#endif
 
 #ifdef __wasm_simd128__
 #include <wasm_simd128.h>
@@ -47,35 +33,9 @@ double pow(double x, double y) {
   return exp(y * Sleef_cinz_logd1_u35purec(x));
 }
 
-#ifdef BOUNCELAB_FOUR_AT_ONCE
-namespace {
-
-// The loops are compiled for the registers that they fill: between them there is nothing but the library's function.
-// What is left over goes through a register that is filled up with ones.
-template <class Function>
-__attribute__((target("avx"))) void four_at_once(std::span<double> x) {
-  std::size_t k = 0;
-  for (; k + 4 <= x.size(); k += 4) _mm256_storeu_pd(x.data() + k, Function::of(_mm256_loadu_pd(x.data() + k)));
-  if (k == x.size()) return;
-  std::array<double, 4> rest{1.0, 1.0, 1.0, 1.0};
-  std::copy(x.begin() + static_cast<std::ptrdiff_t>(k), x.end(), rest.begin());
-  _mm256_storeu_pd(rest.data(), Function::of(_mm256_loadu_pd(rest.data())));
-  std::copy_n(rest.begin(), x.size() - k, x.begin() + static_cast<std::ptrdiff_t>(k));
-}
-
-struct Exp {
-  __attribute__((target("avx"))) static __m256d of(__m256d x) { return Sleef_cinz_expd4_u10avx(x); }
-};
-struct Log {
-  __attribute__((target("avx"))) static __m256d of(__m256d x) { return Sleef_cinz_logd4_u10avx(x); }
-};
-
-}  // namespace
-#endif
-
 void exp_each(std::span<double> x) {
-#ifdef BOUNCELAB_FOUR_AT_ONCE
-  if (__builtin_cpu_supports("avx")) return four_at_once<Exp>(x);
+#ifdef __x86_64__
+  if (__builtin_cpu_supports("avx")) return exp_by_fours(x.data(), x.size());
 #endif
 #ifdef __wasm_simd128__
   for (; x.size() > 1; x = x.subspan(2)) wasm_v128_store(x.data(), Sleef_cinz_expd2_u10sse4(wasm_v128_load(x.data())));
@@ -84,8 +44,8 @@ void exp_each(std::span<double> x) {
 }
 
 void log_each(std::span<double> x) {
-#ifdef BOUNCELAB_FOUR_AT_ONCE
-  if (__builtin_cpu_supports("avx")) return four_at_once<Log>(x);
+#ifdef __x86_64__
+  if (__builtin_cpu_supports("avx")) return log_by_fours(x.data(), x.size());
 #endif
   for (double& one : x) one = log(one);
 }

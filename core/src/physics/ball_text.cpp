@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
-#include <array>
 #include <cstdio>
 #include <map>
 #include <string_view>
@@ -184,28 +183,15 @@ void set_elastic(std::string_view kind, std::string_view text, const Numbers& nu
   material.hertzian = true;
 }
 
-/// Shortest text of the number.
-std::string shortest(double value) {
-  std::array<char, 32> buffer{};
-  const auto end = bouncelab::to_chars(buffer.data(), buffer.data() + buffer.size(), value).ptr;
-  return {buffer.data(), end};
-}
-
 /// "6mm": a text that is read as exactly this number, with the unit if one allows that.
 std::string length_text(double length_m) {
-  const std::string text = shortest(length_m * 1e3) + "mm";
-  return in_si(text, kQuantities.front()) == length_m ? text : shortest(length_m) + "m";
+  const std::string text = number_text(length_m * 1e3) + "mm";
+  return in_si(text, kQuantities.front()) == length_m ? text : number_text(length_m) + "m";
 }
 
 std::string modulus_text(double modulus_pa) {
-  const std::string text = shortest(modulus_pa / 1e9) + "GPa";
-  return in_si(text, kQuantities[4]) == modulus_pa ? text : shortest(modulus_pa) + "Pa";
-}
-
-std::string formatted_g(double value, const char* unit) {
-  std::array<char, 48> buffer{};
-  std::snprintf(buffer.data(), buffer.size(), "%.4g %s", value, unit);
-  return buffer.data();
+  const std::string text = number_text(modulus_pa / 1e9) + "GPa";
+  return in_si(text, kQuantities[4]) == modulus_pa ? text : number_text(modulus_pa) + "Pa";
 }
 
 }  // namespace
@@ -247,7 +233,7 @@ Ball ball_from_text(const std::string& text) {
     refuse(kBall, text,
            ball.material.density_kgpm3 == 0.0
                ? "mass= or density= is missing"
-               : "mass and size make a density of " + formatted_g(ball.material.density_kgpm3, "kg/m^3") +
+               : "mass and size make a density of " + formatted("%.4g kg/m^3", ball.material.density_kgpm3) +
                      "; it must be from 1 to 30000");
   set_elastic(kBall, text, numbers, ball.material);
   if (const double* inertia = find(numbers, "inertia")) ball.inertia_factor = *inertia;
@@ -261,23 +247,23 @@ std::string to_text(const Ball& ball) {
     if (kind.material != ball.material) continue;
     if (kind.diameter_m && 0.5 * *kind.diameter_m != ball.radius_m) continue;
     text = kind.name + (kind.diameter_m ? "" : ":" + length_text(2.0 * ball.radius_m));
-    if (kind.inertia_factor != ball.inertia_factor) text += ",inertia=" + shortest(ball.inertia_factor);
+    if (kind.inertia_factor != ball.inertia_factor) text += ",inertia=" + number_text(ball.inertia_factor);
     break;
   }
   if (text.empty()) {
-    text = "diameter=" + length_text(2.0 * ball.radius_m) + ",density=" + shortest(ball.material.density_kgpm3);
+    text = "diameter=" + length_text(2.0 * ball.radius_m) + ",density=" + number_text(ball.material.density_kgpm3);
     if (ball.material.hertzian)
-      text += ",E=" + modulus_text(ball.material.youngs_modulus_pa) + ",nu=" + shortest(ball.material.poisson_ratio);
-    text += ",inertia=" + shortest(ball.inertia_factor);
+      text += ",E=" + modulus_text(ball.material.youngs_modulus_pa) + ",nu=" + number_text(ball.material.poisson_ratio);
+    text += ",inertia=" + number_text(ball.inertia_factor);
   }
-  if (ball.contact_time_s) text += ",contact-time=" + shortest(*ball.contact_time_s) + "s";
+  if (ball.contact_time_s) text += ",contact-time=" + number_text(*ball.contact_time_s) + "s";
   return text;
 }
 
 std::string describe(const Ball& ball) {
-  return to_text(ball) + " (diameter " + formatted_g(2e3 * ball.radius_m, "mm") + ", radius " +
-         formatted_g(1e3 * ball.radius_m, "mm") + ", mass " + formatted_g(1e3 * mass_kg(ball), "g") +
-         ", J = " + formatted_g(ball.inertia_factor, "m R^2)");
+  return to_text(ball) + " (diameter " + formatted("%.4g mm", 2e3 * ball.radius_m) + ", radius " +
+         formatted("%.4g mm", 1e3 * ball.radius_m) + ", mass " + formatted("%.4g g", 1e3 * mass_kg(ball)) +
+         ", J = " + formatted("%.4g m R^2)", ball.inertia_factor);
 }
 
 Material plate_from_text(const std::string& text) {
@@ -297,10 +283,10 @@ std::string plate_text(const Material& plate) {
     Material of_density = kind.material;
     of_density.density_kgpm3 = plate.density_kgpm3;
     if (kind.material == plate) return kind.name;
-    if (of_density == plate) return kind.name + ",density=" + shortest(plate.density_kgpm3);
+    if (of_density == plate) return kind.name + ",density=" + number_text(plate.density_kgpm3);
   }
-  return "E=" + modulus_text(plate.youngs_modulus_pa) + ",nu=" + shortest(plate.poisson_ratio) +
-         ",density=" + shortest(plate.density_kgpm3);
+  return "E=" + modulus_text(plate.youngs_modulus_pa) + ",nu=" + number_text(plate.poisson_ratio) +
+         ",density=" + number_text(plate.density_kgpm3);
 }
 
 std::optional<double> plate_loss_factor(const Material& plate) {

@@ -155,21 +155,8 @@ bool CsvRows::next(std::vector<std::string>& cells) {
   }
 }
 
-std::string_view trimmed(std::string_view text) {
-  const auto first = text.find_first_not_of(" \t");
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(" \t") - first + 1);
-}
-
 /// What is wrong with a cell; nullptr: nothing.
 using Fault = const char*;
-
-template <class T>
-std::errc parse(std::string_view text, T& value) {
-  if (text.size() > 1 && text[0] == '+' && text[1] != '-') text.remove_prefix(1);
-  const auto [end, status] = bouncelab::from_chars(text.data(), text.data() + text.size(), value);
-  return status == std::errc{} && end != text.data() + text.size() ? std::errc::invalid_argument : status;
-}
 
 Fault append(std::vector<std::string>& texts, const std::string& cell) {
   texts.push_back(cell);
@@ -179,7 +166,7 @@ Fault append(std::vector<std::string>& texts, const std::string& cell) {
 Fault append(std::vector<double>& reals, const std::string& cell) {
   const std::string_view number = trimmed(cell);
   double value = std::numeric_limits<double>::quiet_NaN();
-  const std::errc status = number.empty() ? std::errc{} : parse(number, value);
+  const std::errc status = number.empty() ? std::errc{} : parse_number(number, value);
   if (status == std::errc::result_out_of_range) return "is beyond the range of a 64-bit real";
   if (status != std::errc{}) return "is not a number";
   reals.push_back(value);
@@ -189,10 +176,10 @@ Fault append(std::vector<double>& reals, const std::string& cell) {
 Fault append(std::vector<std::int64_t>& integers, const std::string& cell) {
   const std::string_view number = trimmed(cell);
   std::int64_t value = 0;
-  std::errc status = parse(number, value);
+  std::errc status = parse_number(number, value);
   if (status == std::errc::invalid_argument) {
     double real = 0.0;
-    if (parse(number, real) != std::errc{}) return "is not a number";
+    if (parse_number(number, real) != std::errc{}) return "is not a number";
     const auto whole = whole_number(real);
     if (!whole) return "is not an integer";
     value = *whole;

@@ -1,18 +1,21 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "tables/foreign_columns.hpp"
-
+// Columns of other people's tables, and the speeds and coefficients of restitution in them.
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
+#include <string>
 #include <utility>
 #include <variant>
+#include <vector>
 
 #include "bouncelab/core/error.hpp"
+#include "bouncelab/core/numerics.hpp"
+#include "bouncelab/core/samples.hpp"
 #include "bouncelab/core/text.hpp"
+#include "tables/foreign_columns.hpp"
 
 namespace bouncelab {
-
 AmbiguousTable::AmbiguousTable(const std::string& file, const std::string& question, std::vector<Column> columns,
                                std::vector<Reading> readings)
     : InvalidArgument([&] {
@@ -70,10 +73,9 @@ std::optional<std::size_t> own_column(const ForeignTable& table, std::string_vie
   return static_cast<std::size_t>(found - table.titles.begin());
 }
 
-std::vector<std::size_t> told_columns(const ForeignTable& table, const ForeignOptions& options, std::string_view key,
-                                      const std::string& name) {
+std::vector<std::size_t> told_columns(const ForeignTable& table, std::string_view key) {
   std::vector<std::size_t> columns;
-  for (const std::string_view part : cells_of(options.columns, ',')) {
+  for (const std::string_view part : cells_of(table.options.columns, ',')) {
     const std::size_t equals = part.find('=');
     if (equals == std::string_view::npos && !part.empty())
       throw InvalidArgument("--columns: '" + printable(part) + "' is no KEY=COLUMN, such as v=speed,eps=e");
@@ -85,16 +87,14 @@ std::vector<std::size_t> told_columns(const ForeignTable& table, const ForeignOp
       if (number->value == static_cast<double>(k + 1)) column = k;
     std::string found;
     for (std::size_t k = 0; k < table.n_columns(); ++k) found += (k == 0 ? "" : ", ") + column_name(table, k);
-    if (!column)
-      throw FileError(name, "has no column '" + printable(wanted) + "' (found: " + printable(found, 400) + ")");
+    if (!column) table.refuse("has no column '" + printable(wanted) + "' (found: " + printable(found, 400) + ")");
     columns.push_back(*column);
   }
   return columns;
 }
 
-std::optional<std::size_t> told_column(const ForeignTable& table, const ForeignOptions& options, std::string_view key,
-                                       const std::string& name) {
-  const std::vector<std::size_t> columns = told_columns(table, options, key, name);
+std::optional<std::size_t> told_column(const ForeignTable& table, std::string_view key) {
+  const std::vector<std::size_t> columns = told_columns(table, key);
   if (columns.size() > 1) throw InvalidArgument("--columns: " + std::string(key) + "= stands twice; name one column");
   return columns.empty() ? std::nullopt : std::optional(columns.front());
 }
@@ -119,15 +119,15 @@ std::optional<TitleUnit> unit_of(const ForeignTable& table, std::size_t column) 
 }
 
 std::optional<TitleUnit> unit_of(const ForeignTable& table, const std::vector<std::size_t>& columns,
-                                 Dimension dimension, const std::string& name) {
+                                 Dimension dimension) {
   std::optional<TitleUnit> common;
   for (const std::size_t column : columns) {
     const auto unit = unit_of(table, column);
     if (unit && unit->dimension != dimension)
-      throw FileError(name, column_name(table, column) + " is another quantity: its unit is " + unit->name);
+      table.refuse(column_name(table, column) + " is another quantity: its unit is " + unit->name);
     if (unit && common && unit->si != common->si)
-      throw FileError(name, column_name(table, columns.front()) + " and " + column_name(table, column) +
-                                " have two units; write one");
+      table.refuse(column_name(table, columns.front()) + " and " + column_name(table, column) +
+                   " have two units; write one");
     if (unit) common = unit;
   }
   return common;
@@ -138,14 +138,13 @@ bool has_unit(const std::string& cell) {
   return behind > 0 && unit_of_title("x (" + cell.substr(behind) + ")");
 }
 
-std::optional<NumberCell> number_in(const ForeignTable& table, const ForeignTable::Row& row, std::size_t column,
-                                    const std::string& name) {
+std::optional<NumberCell> number_in(const ForeignTable& table, const ForeignTable::Row& row, std::size_t column) {
   const std::optional<NumberCell> number = table.number(row, column);
   const std::string& cell = row.cells[column];
   if (number || cell.empty()) return number;
-  throw FileError(name, place_of(table, row, column) + ": '" + printable(cell, 60) + "' is not a number; " +
-                            (has_unit(cell) ? "write the numbers alone, and their unit once, in the title: Time (s)"
-                                            : "correct it, or delete the line"));
+  table.refuse(place_of(table, row, column) + ": '" + printable(cell, 60) + "' is not a number; " +
+               (has_unit(cell) ? "write the numbers alone, and their unit once, in the title: Time (s)"
+                               : "correct it, or delete the line"));
 }
 
 std::string column_option(const ForeignTable& table, std::string_view key, std::size_t column) {
@@ -160,8 +159,7 @@ std::string columns_option(const ForeignTable& table, std::string_view key, cons
   return text;
 }
 
-void ask(const ForeignTable& table, const std::string& name, const std::string& question,
-         std::vector<AmbiguousTable::Reading> readings) {
+void ask(const ForeignTable& table, const std::string& question, std::vector<AmbiguousTable::Reading> readings) {
   std::vector<AmbiguousTable::Column> columns;
   for (std::size_t k = 0; k < table.n_columns(); ++k) {
     AmbiguousTable::Column column{title_of(table, k).empty() ? std::to_string(k + 1) : title_of(table, k), {}};
@@ -169,10 +167,10 @@ void ask(const ForeignTable& table, const std::string& name, const std::string& 
       column.first_cells += (row == 0 ? "" : "  ") + printable(table.rows[row].cells[k], 50);
     columns.push_back(std::move(column));
   }
-  throw AmbiguousTable(name, question, std::move(columns), std::move(readings));
+  throw AmbiguousTable(table.name, question, std::move(columns), std::move(readings));
 }
 
-void check_first_cells(const ForeignTable& table, const std::string& name) {
+void check_first_cells(const ForeignTable& table) {
   const ForeignTable::Row* word = nullptr;
   std::size_t n_numbers = 0, n_words = 0;
   for (const ForeignTable::Row& row : table.rows) {
@@ -182,22 +180,21 @@ void check_first_cells(const ForeignTable& table, const std::string& name) {
     if (!word) word = &row;
   }
   if (n_numbers > n_words && word)
-    ask(table, name,
+    ask(table,
         "line " + std::to_string(word->line) + " begins with '" + printable(word->cells[0], 60) +
             "' where the others begin with a number; is it a measurement? Delete the line if it is none, and the word "
             "if it is",
         {});
 }
 
-std::vector<PairOfCells> pairs_in(const ForeignTable& table, std::size_t first, std::size_t second,
-                                  const std::string& name) {
-  check_first_cells(table, name);
+std::vector<PairOfCells> pairs_in(const ForeignTable& table, std::size_t first, std::size_t second) {
+  check_first_cells(table);
   std::vector<PairOfCells> pairs;
   for (const ForeignTable::Row& row : table.rows) {
-    const auto a = number_in(table, row, first, name), b = number_in(table, row, second, name);
+    const auto a = number_in(table, row, first), b = number_in(table, row, second);
     if (a && b) pairs.push_back({&row, *a, *b});
   }
-  if (pairs.empty()) throw FileError(name, "has no row with both numbers");
+  if (pairs.empty()) table.refuse("has no row with both numbers");
   return pairs;
 }
 
@@ -207,8 +204,7 @@ int decimals_of(double rounding) {
              : -1;
 }
 
-void add_own_columns(const ForeignTable& foreign, const std::vector<ColumnSpec>& own, const std::string& name,
-                     Table& table) {
+void add_own_columns(const ForeignTable& foreign, const std::vector<ColumnSpec>& own, Table& table) {
   for (const ColumnSpec& spec : own) {
     const auto column = own_column(foreign, spec.name);
     if (!column ||
@@ -222,14 +218,100 @@ void add_own_columns(const ForeignTable& foreign, const std::vector<ColumnSpec>&
         texts->push_back(row.cells[*column]);
       else if (!wholes)
         std::get<std::vector<double>>(values.values)
-            .push_back(number_in(foreign, row, *column, name) ? number->value
-                                                              : std::numeric_limits<double>::quiet_NaN());
+            .push_back(number_in(foreign, row, *column) ? number->value : std::numeric_limits<double>::quiet_NaN());
       else if (number && std::floor(number->value) == number->value && spec.range.holds(number->value))
         wholes->push_back(static_cast<std::int64_t>(number->value));
     }
     // drops may have names instead of numbers
     if (!wholes || wholes->size() == foreign.rows.size()) table.columns.push_back(std::move(values));
   }
+}
+
+namespace {
+
+[[noreturn]] void ask_for_columns(const ForeignTable& table) {
+  std::vector<std::size_t> speeds, others;
+  for (std::size_t k = 0; k < table.n_columns(); ++k) {
+    const auto unit = unit_of_title(title_of(table, k));
+    if (unit && unit->dimension == Dimension::speed) speeds.push_back(k);
+    if (!unit && table.number(table.rows.front(), k)) others.push_back(k);
+  }
+  std::vector<AmbiguousTable::Reading> readings;
+  if (speeds.size() == 2)
+    readings.push_back(
+        {"speeds before and after",
+         {"auto", "auto", column_option(table, "v_in", speeds[0]) + "," + column_option(table, "v_out", speeds[1])}});
+  for (const std::size_t v : speeds)
+    for (const std::size_t eps : others)
+      if (constexpr std::size_t kReadings = 4; readings.size() < kReadings)
+        readings.push_back({column_name(table, eps) + " is the coefficient",
+                            {"auto", "auto", column_option(table, "v", v) + "," + column_option(table, "eps", eps)}});
+  ask(table,
+      "which columns are the speed and the coefficient of restitution? Name them: --columns v=COLUMN,eps=COLUMN, or "
+      "v_in=COLUMN,v_out=COLUMN before and after a bounce; "
+      "impact times are for bouncelab restitution",
+      std::move(readings));
+}
+
+}  // namespace
+
+TakenTable samples_from_foreign(const ForeignTable& foreign) {
+  auto eps = told_column(foreign, "eps"), v = told_column(foreign, "v");
+  const auto in = told_column(foreign, "v_in"), out = told_column(foreign, "v_out");
+  const bool are_speeds = in && out;
+  if (are_speeds) v = in, eps = out;
+  if (!eps) eps = own_column(foreign, "eps");
+  if (!v) v = own_column(foreign, "v_mps");
+  if (!eps || !v) ask_for_columns(foreign);
+  const auto unit_of_speed = [&](std::size_t column) {
+    const std::optional<TitleUnit> unit = unit_of_title(title_of(foreign, column));
+    if (unit && unit->dimension != Dimension::speed)
+      foreign.refuse(column_name(foreign, column) + " is no speed: m/s, cm/s, mm/s, km/h, mph, ft/s");
+    if (!unit && title_of(foreign, column).find_first_of("([/^") != std::string::npos)
+      foreign.refuse(column_name(foreign, column) + " has a unit that is not read: m/s, cm/s, mm/s, km/h, mph, ft/s");
+    return unit.value_or(TitleUnit{Dimension::speed, 1.0, "m/s", {}});
+  };
+  if (!are_speeds && unit_of_title(title_of(foreign, *eps)))
+    foreign.refuse(column_name(foreign, *eps) +
+                   " has a unit, a coefficient of restitution has none; speeds before and after: --columns "
+                   "v_in=COLUMN,v_out=COLUMN");
+  const TitleUnit unit = unit_of_speed(*v);
+  const double unit_mps = unit.si, after_mps = are_speeds ? unit_of_speed(*eps).si : 1.0;
+  ForeignTable used{foreign.name, foreign.options, foreign.format, foreign.titles, {}};
+  std::vector<double> speeds, values, sigma_eps;
+  double speed_rounding = HUGE_VAL, eps_rounding = HUGE_VAL;
+  for (const PairOfCells& pair : pairs_in(foreign, *v, *eps)) {
+    const NumberCell &speed = pair.first, &coefficient = pair.second;
+    used.rows.push_back(*pair.row);
+    speeds.push_back(unit_mps * speed.value);
+    values.push_back(coefficient.value);
+    speed_rounding = std::min(speed_rounding, unit_mps * speed.rounding);
+    eps_rounding = std::min(eps_rounding, coefficient.rounding);
+    if (!are_speeds) continue;
+    if (speed.value == 0.0 || coefficient.value == 0.0)
+      foreign.refuse("line " + std::to_string(pair.row->line) + ": a bounce of speed 0; leave it out");
+    speeds.back() = std::abs(speeds.back());  // signed or not
+    values.back() = std::abs(after_mps * coefficient.value) / speeds.back();
+    sigma_eps.push_back(2.0 / std::sqrt(12.0) * values.back() *
+                        std::hypot(speed.rounding / speed.value, coefficient.rounding / coefficient.value));
+  }
+  if (const double typical = median(values); typical > 2.0)  // above 1 is rare, and 2 no ball has by itself
+    foreign.refuse(column_name(foreign, *eps) + ": coefficients of " + short_number(typical) +
+                   " in the median; are they per cent? Write 0.89 for 89 %");
+  TakenTable taken;
+  taken.table.columns = {Column{"v_mps", std::move(speeds), decimals_of(speed_rounding)},
+                         Column{"eps", std::move(values), are_speeds ? -1 : decimals_of(eps_rounding)}};
+  if (are_speeds) taken.table.columns.push_back({"sigma_eps", std::move(sigma_eps)});
+  add_own_columns(used, sample_columns(), taken.table);
+  for (std::size_t k = 0; k < used.rows.size(); ++k) taken.table.stands_on(k, used.rows[k].line);
+  const std::size_t n_left_out = foreign.rows.size() - used.rows.size();
+  const std::string how = format_in_words(foreign);
+  taken.taken_for = "speeds in " + unit.name + " (" + column_name(foreign, *v) +
+                    (are_speeds ? ") before and after (" : ") and coefficients of restitution (") +
+                    column_name(foreign, *eps) + (how.empty() ? "" : ", " + how) +
+                    "): " + std::to_string(used.rows.size()) + " impacts";
+  if (n_left_out > 0) taken.taken_for += "; " + std::to_string(n_left_out) + " rows with an empty cell left out";
+  return taken;
 }
 
 }  // namespace bouncelab

@@ -6,9 +6,36 @@
 
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/numerics.hpp"
-#include "tables/foreign_sequence.hpp"
+#include "tables/foreign_columns.hpp"
 
 namespace bouncelab {
+
+bool rises(const Sequence& sequence) {
+  if (sequence.values.empty()) return false;
+  constexpr std::size_t kLeast = 3;
+  std::size_t n = 1;
+  for (std::size_t k = 1; k < sequence.values.size(); ++k) {
+    const NumberCell* before = sequence.before(k);
+    if (before && sequence.values[k].number.value >= before->value) {
+      ++n;
+      continue;
+    }
+    if (before && (n < kLeast || sequence.has_drops)) return false;
+    n = 1;
+  }
+  return sequence.has_drops || sequence.values.back().part > 0 || n >= kLeast || n == sequence.values.size();
+}
+
+bool has_equal_steps(const Sequence& sequence) {
+  const auto& values = sequence.values;
+  if (values.size() < 3) return false;
+  const double step = values[1].number.value - values[0].number.value;
+  for (std::size_t k = 1; k < values.size(); ++k)
+    if (std::abs(values[k].number.value - values[k - 1].number.value - step) >
+        0.1 * step + 2.0 * (values[k - 1].number.rounding + values[k].number.rounding))
+      return false;
+  return step > 0.0;
+}
 
 TitleUnit unit_called(const std::string& name) {
   return unit_of_title("x (" + name + ")").value_or(TitleUnit{Dimension::speed, 0.0, name, {}});
@@ -53,10 +80,33 @@ std::vector<Reading> readings_of(const Sequence& sequence, const std::vector<con
 
 namespace {
 
+/// Whole numbers from 0 or 1 on: of the rows, the bounces, the drops.
+bool numbers_rows(const ForeignTable& table, std::size_t column) {
+  std::optional<double> first;
+  for (const ForeignTable::Row& row : table.rows)
+    if (const auto number = table.number(row, column)) {
+      if (number->value != std::floor(number->value)) return false;
+      if (!first) first = number->value;
+    }
+  return first && (*first == 0.0 || *first == 1.0);
+}
+
+/// Does every part rise, or every part fall, over three numbers or more?
+bool goes_one_way(const Sequence& sequence) {
+  std::size_t n_up = 0, n_down = 0, n = 0, n_parts = 0;
+  for (std::size_t k = 0; k < sequence.values.size(); ++k) {
+    const NumberCell* before = sequence.before(k);
+    ++(before ? n : n_parts);
+    n_up += before && sequence.values[k].number.value > before->value ? 1 : 0;
+    n_down += before && sequence.values[k].number.value < before->value ? 1 : 0;
+  }
+  return n > 0 && n >= 2 * n_parts && (n == n_up || n == n_down);
+}
+
 /// --columns with these columns, and what was told of drops.
-std::string with_drops(const ForeignTable& table, const ForeignOptions& options, const Selection& selection) {
+std::string with_drops(const ForeignTable& table, const Selection& selection) {
   std::string text = columns_option(table, selection.key(), selection.columns);
-  for (const std::string_view part : cells_of(options.columns, ','))
+  for (const std::string_view part : cells_of(table.options.columns, ','))
     if (part.starts_with("drop=")) text += "," + std::string(part);
   return text;
 }
@@ -83,7 +133,7 @@ bool falls(const Sequence& sequence) {
 }
 
 /// What a column without a unit would be: times of a ball; or where they do not rise intervals, or heights.
-std::vector<Reading> likely_readings(const ForeignTable& table, const ForeignOptions& options, std::size_t column) {
+std::vector<Reading> likely_readings(const ForeignTable& table, std::size_t column) {
   const Selection selection{{column}, Dimension::time, false};
   const Sequence sequence = glance_at(table, selection);
   if (unit_of(table, column) || sequence.values.size() < 3 || has_equal_steps(sequence) || numbers_rows(table, column))
@@ -96,8 +146,8 @@ std::vector<Reading> likely_readings(const ForeignTable& table, const ForeignOpt
     const bool heights = *as == 'h';
     if (heights && !falls(sequence)) continue;
     const std::vector<Reading> readings =
-        readings_of(sequence, {as}, false, options,
-                    heights ? column_option(table, "h", column) : with_drops(table, options, selection));
+        readings_of(sequence, {as}, false, table.options,
+                    heights ? column_option(table, "h", column) : with_drops(table, selection));
     if (readings.empty()) continue;
     likely.push_back(readings.front());
     likely.back().meaning += " by " + column_name(table, column);
@@ -105,7 +155,7 @@ std::vector<Reading> likely_readings(const ForeignTable& table, const ForeignOpt
   return likely;
 }
 
-/// What the columns of a table may be, and what options leave of it.
+/// What the columns of a table may be, and what table.options leave of it.
 struct Columns {
   std::vector<std::size_t> measured, times, lengths;  ///< with any unit, one of time, one of length
   bool is_told = false;                               ///< what the numbers are
@@ -115,7 +165,7 @@ struct Columns {
   bool is_row = false;  ///< the only row holds one quantity
   Selection several;    ///< drops side by side, or one in each row; or the only row. No column where there is none
 
-  Columns(const ForeignTable& table, const ForeignOptions& options) : is_told(options.as != "auto") {
+  Columns(const ForeignTable& table) : is_told(table.options.as != "auto") {
     std::vector<std::size_t> all;
     for (std::size_t k = 0; k < table.n_columns(); ++k) {
       all.push_back(k);
@@ -124,14 +174,14 @@ struct Columns {
         if (unit->dimension == Dimension::time) times.push_back(k);
         if (unit->dimension == Dimension::length) lengths.push_back(k);
       }
-      for (Reading& reading : likely_readings(table, options, k)) {
+      for (Reading& reading : likely_readings(table, k)) {
         if (reading.options.as == "times") likely_times.push_back(k);
         likely.push_back(std::move(reading));
       }
     }
     are_heights =
-        options.as == "heights" ||
-        (!is_told && (unit_called(options.unit).dimension == Dimension::length || (times.empty() && !lengths.empty())));
+        table.options.as == "heights" || (!is_told && (unit_called(table.options.unit).dimension == Dimension::length ||
+                                                       (times.empty() && !lengths.empty())));
     const bool are_measured = !measured.empty();
     const Selection columns{are_measured ? wanted() : likely_times, dimension(), false},
         rows{are_measured ? wanted() : all, dimension(), true};
@@ -171,10 +221,9 @@ std::optional<std::size_t> rival_of(const ForeignTable& table, const Columns& co
 }
 
 /// What the table proves to be read.
-std::optional<Selection> proved(const ForeignTable& table, const ForeignOptions& options, const Columns& columns,
-                                const std::string& name) {
+std::optional<Selection> proved(const ForeignTable& table, const Columns& columns) {
   for (const Dimension dimension : {Dimension::time, Dimension::length})
-    if (Selection told{told_columns(table, options, dimension == Dimension::time ? "t" : "h", name), dimension, false};
+    if (Selection told{told_columns(table, dimension == Dimension::time ? "t" : "h"), dimension, false};
         !told.columns.empty())
       return told;
   if (const auto own = own_column(table, "t_s"); own && !columns.are_heights)
@@ -190,20 +239,20 @@ std::optional<Selection> proved(const ForeignTable& table, const ForeignOptions&
 
 }  // namespace
 
-Selection selection_of(const ForeignTable& table, const ForeignOptions& options, const std::string& name) {
-  const Columns columns(table, options);
-  if (auto selection = proved(table, options, columns, name)) return *std::move(selection);
+Selection selection_of(const ForeignTable& table) {
+  const Columns columns(table);
+  if (auto selection = proved(table, columns)) return *std::move(selection);
   const std::vector<std::size_t>&times = columns.times, &lengths = columns.lengths;
   std::vector<Reading> readings;
   const auto one = [&](std::size_t k, bool heights) {
     const Selection selection{{k}, heights ? Dimension::length : Dimension::time, false};
     readings.push_back({(heights ? "heights, one after the other, of " : "") + column_name(table, k),
-                        {heights ? "heights" : options.as, options.unit, with_drops(table, options, selection)}});
+                        {heights ? "heights" : table.options.as, table.options.unit, with_drops(table, selection)}});
   };
   const auto pair = [&](std::size_t before, std::size_t after, const char* as) {
     readings.push_back(
         {"before and after a bounce, from " + column_name(table, before) + " to " + column_name(table, after),
-         {as, options.unit, column_option(table, "h0", before) + "," + column_option(table, "h", after)}});
+         {as, table.options.unit, column_option(table, "h0", before) + "," + column_option(table, "h", after)}});
   };
   std::string question;
   if (columns.is_row && !columns.measured.empty()) {
@@ -220,7 +269,7 @@ Selection selection_of(const ForeignTable& table, const ForeignOptions& options,
       pair(lengths[0], *rival, "heights");
     else
       readings.insert(readings.end(), columns.likely.begin(), columns.likely.end());
-  } else if (options.as == "heights" || lengths.size() > 2) {
+  } else if (table.options.as == "heights" || lengths.size() > 2) {
     question = "which column holds heights?";
     for (std::size_t k = 0; k < table.n_columns(); ++k)
       if (table.number(table.rows.front(), k) && !numbers_rows(table, k)) one(k, true);
@@ -244,19 +293,19 @@ Selection selection_of(const ForeignTable& table, const ForeignOptions& options,
                                     : "no title has a unit, such as Time (s), t (ms) or h (m); numbers of frames or "
                                       "samples are to be divided by their rate first";
     for (std::size_t k = 0; k < table.n_columns(); ++k)
-      if (has_unit(table.rows.front().cells[k])) number_in(table, table.rows.front(), k, name);
+      if (has_unit(table.rows.front().cells[k])) number_in(table, table.rows.front(), k);
     readings = columns.likely;
   }
   const Selection& several = columns.several;
-  if (several.columns.empty() || !options.columns.empty() || (columns.are_heights && !columns.is_row))
-    ask(table, name, question, std::move(readings));
+  if (several.columns.empty() || !table.options.columns.empty() || (columns.are_heights && !columns.is_row))
+    ask(table, question, std::move(readings));
   const Sequence numbers = glance_at(table, several);
   const char* as = columns.are_heights ? "heights" : rises(numbers) ? "times" : "intervals";
-  for (const Reading& reading : readings_of(numbers, {as}, !columns.measured.empty(), options,
+  for (const Reading& reading : readings_of(numbers, {as}, !columns.measured.empty(), table.options,
                                             several.by_rows ? "" : columns_option(table, "t", several.columns)))
     readings.push_back(
         {(several.by_rows ? "a drop in each row, " : "a drop in each column, ") + reading.meaning, reading.options});
-  ask(table, name, question, std::move(readings));
+  ask(table, question, std::move(readings));
 }
 
 }  // namespace bouncelab

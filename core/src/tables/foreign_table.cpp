@@ -1,15 +1,192 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The cells of a table that is not ours: its separator, decimal sign, titles and rows.
-#include "bouncelab/core/foreign_table.hpp"
-
+// The cells of a table that is not ours: numbers, units, separator, decimal sign, titles and rows.
 #include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
 #include <regex>
 #include <utility>
 
+#include "bouncelab/core/elementary.hpp"
+#include "bouncelab/core/foreign_table.hpp"
 #include "bouncelab/core/text.hpp"
 #include "tables/foreign_columns.hpp"
 
 namespace bouncelab {
+namespace {
+
+constexpr std::string_view kBlanks = " \t\r";
+
+/// Half a unit of the last digit of 12.50e-3: 5e-6.
+double rounding_of(std::string_view number) {
+  const std::size_t exponent_at = std::min(number.find_first_of("eE"), number.size());
+  const std::string_view mantissa = number.substr(0, exponent_at);
+  const std::size_t point = mantissa.find('.');
+  const double n_decimals = point == std::string_view::npos ? 0.0 : static_cast<double>(mantissa.size() - point - 1);
+  int exponent = 0;
+  if (exponent_at < number.size()) {
+    const char* begin = number.data() + exponent_at + 1;
+    if (begin < number.data() + number.size() && *begin == '+') ++begin;
+    bouncelab::from_chars(begin, number.data() + number.size(), exponent);
+  }
+  return 0.5 * pow(10.0, exponent - n_decimals);
+}
+
+}  // namespace
+
+std::vector<std::string_view> cells_of(std::string_view line, char separator) {
+  std::vector<std::string_view> cells;
+  if (separator == ' ') line = trimmed(line, kBlanks);
+  while (true) {
+    std::size_t end = std::min(separator == ' ' ? line.find_first_of(kBlanks) : line.find(separator), line.size());
+    const std::size_t quote = line.find_first_not_of(kBlanks);
+    if (end < line.size() && quote < end && line[quote] == '"') {
+      const std::size_t closing = line.find('"', quote + 1);  // doubled quotes: two texts that touch
+      if (closing != std::string_view::npos && closing > end)
+        end = std::min(separator == ' ' ? line.find_first_of(kBlanks, closing) : line.find(separator, closing),
+                       line.size());
+    }
+    cells.push_back(trimmed(line.substr(0, end), " \t\r\""));
+    if (end == line.size()) return cells;
+    line.remove_prefix(end + 1);
+    if (separator == ' ') line = trimmed(line, kBlanks);
+  }
+}
+
+namespace {
+
+std::optional<NumberCell> plain_number_of(std::string_view cell, char decimal) {
+  std::array<char, 512> text{};  // a double without an exponent has up to 400
+  if (cell.empty() || cell.size() > text.size()) return std::nullopt;
+  if (cell.front() == '+') cell.remove_prefix(1);
+  std::copy(cell.begin(), cell.end(), text.begin());
+  const std::string_view number(text.data(), cell.size());
+  if (decimal == ',') {
+    // "1," is the number 1 and a separator
+    if (number.find('.') != std::string_view::npos || number.ends_with(',')) return std::nullopt;
+    std::replace(text.begin(), text.end(), ',', '.');
+  }
+  double value = 0.0;
+  const auto [end, error] = bouncelab::from_chars(number.data(), number.data() + number.size(), value);
+  if (error != std::errc() || end != number.data() + number.size() || !std::isfinite(value)) return std::nullopt;
+  return NumberCell{value, rounding_of(number)};
+}
+
+/// Seconds since 1970 of "2026-11-28T10:00:00.5+01:00", "2026-11-28 10:00:00"; without a zone as if it were UTC.
+std::optional<NumberCell> date_and_time(const std::string& cell) {
+  static const std::regex kForm(
+      R"((\d{4})-(\d\d)-(\d\d)[T ](\d\d):(\d\d):(\d\d)(?:[.,](\d{1,12}))?(?:Z|([+-])(\d\d):?(\d\d))?)");
+  std::smatch part;
+  if (constexpr std::size_t kLongest = 40; cell.size() > kLongest || !std::regex_match(cell, part, kForm)) return {};
+  const auto number = [&](std::size_t k) { return part[k].length() == 0 ? 0 : std::stoi(part[k]); };
+  const std::chrono::year_month_day day{std::chrono::year(number(1)),
+                                        std::chrono::month(static_cast<unsigned>(number(2))),
+                                        std::chrono::day(static_cast<unsigned>(number(3)))};
+  if (!day.ok()) return std::nullopt;
+  const std::optional<NumberCell> fraction = plain_number_of("0." + part[7].str() + "e0", '.');
+  const double zone_s = (part[8] == "-" ? -60.0 : 60.0) * (60 * number(9) + number(10));
+  const auto days = static_cast<double>(std::chrono::sys_days(day).time_since_epoch().count());
+  return NumberCell{86400.0 * days + 3600.0 * number(4) + 60.0 * number(5) + number(6) - zone_s + fraction->value,
+                    fraction->rounding, true};
+}
+
+/// "1:02:03.5", "62:03.5": hours and minutes are whole numbers.
+std::optional<NumberCell> clock_time(std::string_view cell, char decimal) {
+  const std::size_t colon = cell.rfind(':');
+  std::optional<NumberCell> result = plain_number_of(cell.substr(colon + 1), decimal);
+  if (!result || !(result->value >= 0.0 && result->value < 60.0)) return std::nullopt;
+  result->is_clock = true;
+  double unit_s = 60.0;
+  std::string_view rest = cell.substr(0, colon);
+  for (int k = 0; k < 2; ++k, unit_s *= 60.0) {
+    const std::size_t before = rest.rfind(':');
+    const std::string_view digits = before == std::string_view::npos ? rest : rest.substr(before + 1);
+    if (digits.empty() || digits.size() > 4 || digits.find_first_not_of("0123456789") != std::string_view::npos)
+      return std::nullopt;
+    result->value += unit_s * plain_number_of(digits, '.')->value;
+    if (before == std::string_view::npos) return result;
+    rest = rest.substr(0, before);
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<NumberCell> number_of(std::string_view cell, char decimal) {
+  if (cell.find(':') == std::string_view::npos) return plain_number_of(cell, decimal);
+  return cell.find('-') == std::string_view::npos ? clock_time(cell, decimal) : date_and_time(std::string(cell));
+}
+
+std::vector<CellFormat> formats_of(std::string_view line) {
+  std::vector<CellFormat> formats;
+  if (const std::string_view whole = trimmed(line, kBlanks); number_of(whole, '.') && whole.find(' ') != whole.npos)
+    return {{'\0', '.'}};  // date and time
+  for (const char separator : {'\t', ';', ',', ' '})
+    for (const char decimal : {'.', ','}) {
+      if (decimal == ',' && (separator == ',' || line.find(',') == std::string_view::npos)) continue;
+      if (separator != ' ' ? line.find(separator) == line.npos : line.find_first_of("\t;") != line.npos) continue;
+      int n_numbers = 0, n_others = 0;
+      for (const std::string_view cell : cells_of(line, separator))
+        if (!cell.empty()) ++(number_of(cell, decimal) ? n_numbers : n_others);
+      if (n_numbers > 0 && n_others == 0) formats.push_back({separator, decimal});
+    }
+  return formats;
+}
+
+namespace {
+
+struct KnownUnit {
+  std::string_view name;
+  Dimension dimension;
+  double si;
+};
+constexpr auto kUnits = std::to_array<KnownUnit>(
+    {{"s", Dimension::time, 1.0},          {"sec", Dimension::time, 1.0},         {"ms", Dimension::time, 1e-3},
+     {"cs", Dimension::time, 1e-2},        {"ns", Dimension::time, 1e-9},         {"us", Dimension::time, 1e-6},
+     {"\xC2\xB5s", Dimension::time, 1e-6},  // micro sign
+     {"\xCE\xBCs", Dimension::time, 1e-6},  // Greek mu
+     {"min", Dimension::time, 60.0},       {"m", Dimension::length, 1.0},         {"cm", Dimension::length, 1e-2},
+     {"mm", Dimension::length, 1e-3},      {"in", Dimension::length, 0.0254},     {"ft", Dimension::length, 0.3048},
+     {"mps", Dimension::speed, 1.0},       {"m/s", Dimension::speed, 1.0},        {"cm/s", Dimension::speed, 1e-2},
+     {"mm/s", Dimension::speed, 1e-3},     {"km/h", Dimension::speed, 1.0 / 3.6}, {"mph", Dimension::speed, 0.44704},
+     {"ft/s", Dimension::speed, 0.3048},   {"in/s", Dimension::speed, 0.0254}});
+
+const KnownUnit* unit_named(std::string_view name) {
+  const auto* const known =
+      std::find_if(kUnits.begin(), kUnits.end(), [&](const KnownUnit& unit) { return unit.name == name; });
+  return known == kUnits.end() ? nullptr : known;
+}
+
+}  // namespace
+
+std::optional<TitleUnit> unit_of_title(std::string_view title) {
+  title = trimmed(title, kBlanks);
+  const auto made = [](const KnownUnit* unit, std::string_view quantity) -> std::optional<TitleUnit> {
+    if (unit == nullptr) return std::nullopt;
+    return TitleUnit{unit->dimension, unit->si, std::string(unit->name), std::string(trimmed(quantity, kBlanks))};
+  };
+  if (title.ends_with(')') || title.ends_with(']')) {
+    const std::size_t open = title.rfind(title.back() == ')' ? '(' : '[');
+    if (open == std::string_view::npos) return std::nullopt;
+    return made(unit_named(trimmed(title.substr(open + 1, title.size() - open - 2), kBlanks)), title.substr(0, open));
+  }
+  constexpr std::string_view kIn = " in ";  // "Zeit in s"
+  if (const std::size_t in = title.rfind(kIn); in != std::string_view::npos)
+    return made(unit_named(trimmed(title.substr(in + kIn.size()), kBlanks)), title.substr(0, in));
+  // "t / s" and "time_ms", but not "counts / s" and "mass_s": a word that is no quantity of that dimension makes
+  // another unit; "v_in" and "t_min" are no inches and no minutes
+  constexpr std::array<std::string_view, 16> kQuantities{
+      "t", "T", "dt", "\xCE\x94t", "\xE2\x88\x86t", "time", "Time", "interval",
+      "h", "H", "h0", "height",    "Height",        "v",    "V",    "speed"};
+  const std::size_t at = title.find('/') != std::string_view::npos ? title.find('/') : title.rfind('_');
+  if (at == std::string_view::npos) return std::nullopt;
+  const std::string_view quantity = trimmed(title.substr(0, at), kBlanks),
+                         unit = trimmed(title.substr(at + 1), kBlanks);
+  const bool is_known = std::find(kQuantities.begin(), kQuantities.end(), quantity) != kQuantities.end();
+  return !is_known || (title[at] == '_' && (unit == "in" || unit == "min")) ? std::nullopt
+                                                                            : made(unit_named(unit), quantity);
+}
+
 namespace {
 
 constexpr std::size_t kMostColumns = 1024;
@@ -158,7 +335,7 @@ ForeignTable read_foreign_table(std::string_view text, const std::string& name, 
   const std::string typed = n_above == 0 ? as_typed(lines) : "";
   if (!typed.empty()) lines = {{first->number, false, typed}};
   const std::span<const Line> rows = std::span(lines).subspan(n_above);
-  ForeignTable table;
+  ForeignTable table{name, options, {}, {}, {}};
   const auto cells_in = [&](std::string_view line) {
     const std::vector<std::string_view> cells = cells_of(line, table.format.separator);
     return std::vector<std::string>(cells.begin(), cells.end());

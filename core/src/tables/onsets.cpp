@@ -2,46 +2,40 @@
 #include "bouncelab/core/onsets.hpp"
 
 #include <algorithm>
-#include <cassert>
 #include <cmath>
+#include <iterator>
 #include <span>
+#include <utility>
 
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/text.hpp"
 
 namespace bouncelab {
 
+namespace {
+
+constexpr std::pair<Flag, std::string_view> kFlagNames[]{{Flag::by_hand, "by_hand"},
+                                                         {Flag::clipped, "clipped"},
+                                                         {Flag::doubtful, "doubtful"},
+                                                         {Flag::extra_impact, "extra_impact"},
+                                                         {Flag::improbable, "improbable"},
+                                                         {Flag::inferred, "inferred"},
+                                                         {Flag::missing_impact, "missing_impact"},
+                                                         {Flag::no_position, "no_position"},
+                                                         {Flag::not_finite, "not_finite"},
+                                                         {Flag::overlap, "overlap"}};
+
+}  // namespace
+
 std::string_view name_of(Flag flag) {
-  switch (flag) {
-    case Flag::by_hand:
-      return "by_hand";
-    case Flag::clipped:
-      return "clipped";
-    case Flag::doubtful:
-      return "doubtful";
-    case Flag::extra_impact:
-      return "extra_impact";
-    case Flag::improbable:
-      return "improbable";
-    case Flag::inferred:
-      return "inferred";
-    case Flag::missing_impact:
-      return "missing_impact";
-    case Flag::no_position:
-      return "no_position";
-    case Flag::not_finite:
-      return "not_finite";
-    case Flag::overlap:
-      return "overlap";
-  }
-  assert(false);
-  return {};
+  return std::find_if(std::begin(kFlagNames), std::end(kFlagNames),
+                      [&](const auto& named) { return named.first == flag; })
+      ->second;
 }
 
 std::optional<Flag> flag_named(std::string_view word) {
-  for (const Flag flag : {Flag::by_hand, Flag::clipped, Flag::doubtful, Flag::extra_impact, Flag::improbable,
-                          Flag::inferred, Flag::missing_impact, Flag::no_position, Flag::not_finite, Flag::overlap})
-    if (name_of(flag) == word) return flag;
+  for (const auto& [flag, name] : kFlagNames)
+    if (name == word) return flag;
   return std::nullopt;
 }
 

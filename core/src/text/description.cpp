@@ -17,24 +17,20 @@ using Kind = Member::Kind;
 /// Absent where the text is not one decimal number that T holds, with or without a sign.
 template <class T>
 std::optional<T> decimal(std::string_view text) {
-  if (text.size() > 1 && text.front() == '+' && text[1] != '-') text.remove_prefix(1);
   T value{};
-  const auto [end, status] = bouncelab::from_chars(text.data(), text.data() + text.size(), value);
-  if (status != std::errc{} || end != text.data() + text.size()) return std::nullopt;
+  if (parse_number(text, value) != std::errc{}) return std::nullopt;
   if constexpr (std::is_floating_point_v<T>)
     if (!std::isfinite(value)) return std::nullopt;
   return value;
 }
 
 template <class T>
-std::string number_text(T number) {
+std::string text_of_number(T number) {
   if constexpr (std::is_floating_point_v<T>)  // 1000000, not 1e+06
-    if (number == std::trunc(number) && std::abs(number) < 1e10)
-      return std::to_string(static_cast<std::int64_t>(number));
-  std::string text(32, '\0');
-  text.resize(
-      static_cast<std::size_t>(bouncelab::to_chars(text.data(), text.data() + text.size(), number).ptr - text.data()));
-  return text;
+    return number == std::trunc(number) && std::abs(number) < 1e10 ? std::to_string(static_cast<std::int64_t>(number))
+                                                                   : number_text(number);
+  else
+    return std::to_string(number);
 }
 
 [[noreturn]] void refuse(const std::string& text, const std::string& what) {
@@ -54,9 +50,10 @@ T number(const Member& member, const std::string& text) {
   if constexpr (std::is_floating_point_v<T>)
     refuse(text, "a finite decimal number" + from_range(member));
   else
-    refuse(text, "a decimal integer" + (has_range(member) ? from_range(member)
-                                                          : " from " + number_text(std::numeric_limits<T>::min()) +
-                                                                " to " + number_text(std::numeric_limits<T>::max())));
+    refuse(text,
+           "a decimal integer" + (has_range(member) ? from_range(member)
+                                                    : " from " + text_of_number(std::numeric_limits<T>::min()) +
+                                                          " to " + text_of_number(std::numeric_limits<T>::max())));
 }
 
 std::vector<std::string> between_commas(std::string_view text) {
@@ -76,8 +73,8 @@ std::vector<double> list_with_commas(const Member& member, const std::string& te
   for (const std::string& part : parts)
     if (const auto value = decimal<double>(part)) values.push_back(*value);
   if (values.size() != parts.size() || values.size() < member.n_least || values.size() > member.n_most)
-    refuse(text, number_text(member.n_least) +
-                     (member.n_least == member.n_most ? "" : " or " + number_text(member.n_most)) +
+    refuse(text, text_of_number(member.n_least) +
+                     (member.n_least == member.n_most ? "" : " or " + text_of_number(member.n_most)) +
                      " finite decimal numbers, " + std::string(member.form));
   for (const double value : values)
     if (!(value >= member.least && value <= member.greatest)) refuse(text, "numbers from " + range_of(member));
@@ -160,7 +157,7 @@ std::string text_of(const Value& value) {
         if constexpr (std::is_same_v<T, bool>) {
           return x ? "true" : "false";
         } else if constexpr (std::is_arithmetic_v<T>) {
-          return number_text(x);
+          return text_of_number(x);
         } else if constexpr (std::is_same_v<T, std::string>) {
           return x;
         } else if constexpr (describe_detail::IsVector<T>::value && !std::is_same_v<T, Object>) {
@@ -185,8 +182,8 @@ std::string default_text(const Member& member, const void* object) {
 std::string range_of(const Member& member) {
   if (!has_range(member)) return "";
   const auto limit = [&](double x) {
-    return member.kind == Kind::integer || member.kind == Kind::integers ? number_text(static_cast<std::int64_t>(x))
-                                                                         : number_text(x);
+    return member.kind == Kind::integer || member.kind == Kind::integers ? text_of_number(static_cast<std::int64_t>(x))
+                                                                         : text_of_number(x);
   };
   return limit(member.least) + " to " + limit(member.greatest);
 }

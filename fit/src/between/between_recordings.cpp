@@ -6,11 +6,9 @@
 #include <span>
 #include <utility>
 
-#include "between/design.hpp"
 #include "between/offset_model.hpp"
 #include "bouncelab/core/elementary.hpp"
-#include "numerics/distributions.hpp"
-#include "numerics/linalg.hpp"
+#include "numerics/numerics.hpp"
 
 namespace bouncelab::fit {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "between/design.hpp"
+#include "between/offset_model.hpp"
 
 #include <algorithm>
 #include <map>
@@ -8,8 +8,7 @@
 
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/text.hpp"
-#include "numerics/distributions.hpp"
-#include "numerics/linalg.hpp"
+#include "numerics/numerics.hpp"
 
 namespace bouncelab::fit {
 namespace {

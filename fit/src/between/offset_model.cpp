@@ -8,8 +8,7 @@
 #include <optional>
 
 #include "bouncelab/core/elementary.hpp"
-#include "numerics/distributions.hpp"
-#include "numerics/linalg.hpp"
+#include "numerics/numerics.hpp"
 
 namespace bouncelab::fit {
 namespace {

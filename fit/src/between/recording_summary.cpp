@@ -9,11 +9,11 @@
 #include <set>
 #include <vector>
 
-#include "between/design.hpp"
+#include "between/offset_model.hpp"
 #include "bouncelab/core/text.hpp"
 #include "bouncelab/fit/law_fit.hpp"
-#include "bouncelab/fit/usable_samples.hpp"
-#include "numerics/linalg.hpp"
+#include "bouncelab/fit/restitution.hpp"
+#include "numerics/numerics.hpp"
 
 namespace bouncelab::fit {
 namespace {

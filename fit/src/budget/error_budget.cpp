@@ -7,7 +7,7 @@
 
 #include "bouncelab/core/numerics.hpp"
 #include "law/law_model.hpp"
-#include "numerics/distributions.hpp"
+#include "numerics/numerics.hpp"
 
 namespace bouncelab::fit {
 

@@ -96,12 +96,13 @@ LawBeside SmoothCurve::beside(const LawModel& law, const Eigen::VectorXd& q,
     const double off = row.dot(unknowns), sd = Eigen::VectorXd(best.root.matrixL().solve(row)).norm();
     if (std::abs(off) > most * sd) most = std::abs(off) / sd, beside.misfit.v_mps = exp(x), beside.misfit.off = off;
   }
-  beside.by_deviation.resize(q.size(), n_open);
+  beside.covariance = Eigen::MatrixXd::Zero(q.size(), q.size());
   if (n_open == 0) return beside;  // Eigen's LDLT reads the first of no columns
   // least squares: what drag and contact time do to the law's values
   const Gram of_best = gram_by(curve.all(), all, noises_.front().noise);
   const Eigen::MatrixXd own = of_best.of.topLeftCorner(q.size(), q.size());
-  beside.by_deviation = -own.ldlt().solve(of_best.of.block(0, n - n_open, q.size(), n_open));
+  const Eigen::MatrixXd by_deviation = -own.ldlt().solve(of_best.of.block(0, n - n_open, q.size(), n_open));
+  beside.covariance = by_deviation * deviation_covariance_ * by_deviation.transpose();
   return beside;
 }
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "curve/release.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <map>
 
 #include "bouncelab/core/elementary.hpp"
+#include "curve/curve_sum.hpp"
 
 namespace bouncelab::fit {
 
@@ -49,6 +49,104 @@ void add_heights(const FirstFlights& flights, const Estimate& ln_height, std::ve
     e.se = 0.5 * (e.ci68->hi - e.ci68->lo);
     heights.push_back({s.recording, s.drop, e});
   }
+}
+
+/// What is known of samples whose flights are not seen, or were corrected, in the air that a drop falls through.
+static AirAndContact in_air(AirAndContact known, const std::optional<Ball>& ball) {
+  if (known.has_drag || known.air.density_kgpm3 == 0.0) return known;
+  known.has_drag = true;
+  known.ball = ball;
+  return known;
+}
+
+std::optional<Rebound> rebound_within(const RestitutionSamples& samples, const AirAndContact& known) {
+  const std::optional<Ball>& ball = samples.front().conditions.ball;
+  const ReboundRule* rule = ball ? rebound_rule(*ball) : nullptr;
+  if (!rule) return std::nullopt;
+  constexpr double kNearly = 1.05;
+  const AirAndContact of_drop = in_air(known, ball);
+  Rebound rebound{*rule, OneAirAndContact(of_drop, {}).fall_mps(rule->height_m), {}};
+  bool is_above = false, is_below = false;
+  for (const RestitutionSample& s : samples) {
+    is_above = is_above || s.v_mps * kNearly > rebound.v_mps;
+    is_below = is_below || s.v_mps < rebound.v_mps * kNearly;
+  }
+  return is_above && is_below ? std::optional(std::move(rebound)) : std::nullopt;
+}
+
+/// The logarithm of a height that follows from eps at a speed, at each place linear about what is likely there.
+/// @param j          of the speed
+/// @param ln_height  (what is known, drag and contact time, eps)
+template <class Sum, class LnHeight>
+static std::vector<Quantity> heights_at(const std::vector<CurveAt>& places, const Sum& sum, std::size_t j,
+                                        LnHeight ln_height) {
+  const auto column = static_cast<Eigen::Index>(j);
+  std::vector<Quantity> of_places;
+  for (std::size_t c = 0; c < places.size(); ++c) {
+    const AirAndContact& known = places[c].known();
+    const Deviation at = places[c].at();
+    double eps = 0.0, weights = 0.0;
+    for (const auto& term : sum.terms)
+      if (term.curve == c) weights += term.weight, eps += term.weight * term.mean[column];
+    of_places.emplace_back();
+    if (!(weights > 0.0)) continue;
+    eps /= weights;
+    constexpr double kStep = 0.02;
+    const auto moved = [&](double of_eps, Deviation off) {
+      return ln_height(known, Deviation{at.ln_kappa + off.ln_kappa, at.ln_tau + off.ln_tau}, eps + of_eps);
+    };
+    const auto slope = [&](Deviation step, double of_eps) {
+      return (moved(of_eps, step) - moved(-of_eps, {-step.ln_kappa, -step.ln_tau})) / (2.0 * kStep);
+    };
+    Quantity& quantity = of_places.back();
+    quantity.offset = moved(0.0, {});
+    const auto add = [&](Eigen::Index of, double factor, double about) {
+      quantity.parts.emplace_back(of, factor);
+      quantity.offset -= factor * about;
+    };
+    const auto n_speeds = static_cast<Eigen::Index>(sum.x.size());
+    add(column, slope({}, kStep), eps);
+    if (known.has_drag) add(n_speeds, slope({kStep, 0.0}, 0.0), log(kappa_at_1_mps(known)) + at.ln_kappa);
+    if (known.has_contact) add(n_speeds + 1, slope({0.0, kStep}, 0.0), log(known.contact.at_1_mps_s) + at.ln_tau);
+  }
+  return of_places;
+}
+
+/// @param j  of the speed of the impact that the flights began with
+void SmoothCurve::describe_heights(const Sum& sum, const FirstFlights& flights, std::size_t j) {
+  const std::vector<Quantity> of_places =
+      heights_at(places_, sum, j, [&](const AirAndContact& known, Deviation at, double eps) {
+        return ln_release_height(flights, OneAirAndContact(known, at), eps);
+      });
+  const auto scatter_too = [&](const Term& term, NormalPart& part) {
+    const double one = sum.noises[term.noise].variance(sum.x[j] - places_[term.curve].x_middle());
+    part.sd = hypot(part.sd, of_places[term.curve].parts.front().second * std::sqrt(one));
+  };
+  const auto quantity_of = [&](const Term& term) -> const Quantity& { return of_places[term.curve]; };
+  add_heights(flights, stated(parts_of(sum.terms, quantity_of, scatter_too), sum.balls, -50.0, 50.0), curve_.heights);
+}
+
+/// With the eps that is stated, the root mean square.
+void SmoothCurve::describe_rebound(const Sum& sum, const std::optional<Ball>& ball, Rebound& rebound) {
+  const std::size_t j = sum.x.size() - 1;
+  const std::vector<Quantity> of_places =
+      heights_at(places_, sum, j, [&](const AirAndContact& known, Deviation at, double eps) {
+        constexpr double kLeastEps = 0.05;
+        const AirAndContact of_drop = in_air(known, ball);
+        const OneAirAndContact one(of_drop, at);
+        return log(one.rise_height_m(std::max(kLeastEps, eps) * one.fall_mps(rebound.rule.height_m)));
+      });
+  const auto root_mean_square = [&](const Term& term, NormalPart& part) {
+    const double mean = term.mean[static_cast<Eigen::Index>(j)];
+    const double one = sum.noises[term.noise].variance(sum.x[j] - places_[term.curve].x_middle());
+    part.mean += of_places[term.curve].parts.front().second * (hypot(mean, std::sqrt(one)) - mean);
+  };
+  const auto quantity_of = [&](const Term& term) -> const Quantity& { return of_places[term.curve]; };
+  const Estimate ln = stated(parts_of(sum.terms, quantity_of, root_mean_square), sum.balls, -50.0, 50.0);
+  rebound.height_m.value = exp(ln.value);
+  rebound.height_m.ci68 = Interval{exp(ln.ci68->lo), exp(ln.ci68->hi)};
+  rebound.height_m.ci95 = Interval{exp(ln.ci95->lo), exp(ln.ci95->hi)};
+  rebound.height_m.se = 0.5 * (rebound.height_m.ci68->hi - rebound.height_m.ci68->lo);
 }
 
 }  // namespace bouncelab::fit

@@ -11,7 +11,7 @@
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/numerics.hpp"
 #include "bouncelab/core/parallel.hpp"
-#include "curve/normal_sum.hpp"
+#include "curve/curve_sum.hpp"
 
 namespace bouncelab::fit {
 namespace {
@@ -31,57 +31,10 @@ std::vector<double> nodes_of(const Eigen::VectorXd& x) {
 
 }  // namespace
 
-/// What is known of samples whose flights are not seen, or were corrected, in the air that a drop falls through.
-static AirAndContact in_air(AirAndContact known, const std::optional<Ball>& ball) {
-  if (known.has_drag || known.air.density_kgpm3 == 0.0) return known;
-  known.has_drag = true;
-  known.ball = ball;
-  return known;
-}
-
-/// The rule of the named ball's sport, and the speed with which it falls; absent where no sample is nearly so fast, or
-/// none so slow: in speed a twentieth, in height a tenth, over which eps hardly changes.
-static std::optional<Rebound> rebound_within(const RestitutionSamples& samples, const AirAndContact& known) {
-  const std::optional<Ball>& ball = samples.front().conditions.ball;
-  const ReboundRule* rule = ball ? rebound_rule(*ball) : nullptr;
-  if (!rule) return std::nullopt;
-  constexpr double kNearly = 1.05;
-  const AirAndContact of_drop = in_air(known, ball);
-  Rebound rebound{*rule, OneAirAndContact(of_drop, {}).fall_mps(rule->height_m), {}};
-  bool is_above = false, is_below = false;
-  for (const RestitutionSample& s : samples) {
-    is_above = is_above || s.v_mps * kNearly > rebound.v_mps;
-    is_below = is_below || s.v_mps < rebound.v_mps * kNearly;
-  }
-  return is_above && is_below ? std::optional(std::move(rebound)) : std::nullopt;
-}
-
-/// One normal distribution of the sum.
-struct SmoothCurve::Term {
-  std::size_t curve = 0;  ///< which of the places
-  std::size_t base = 0, noise = 0;
-  Slopes::Place place;
-  double weight = -HUGE_VAL;  ///< or its logarithm
-  Eigen::VectorXd mean;       ///< of the mean of eps at each speed, then of ln kappa and ln tau at 1 m/s
-  Eigen::MatrixXd low;        ///< their covariance is low^T low
-};
-
 /// What of the sum is of one ball of the list.
 struct OfBall {
   double weight = 0.0;
   std::vector<std::size_t> terms;
-};
-
-/// The sum, and the speeds that it is of: nodes, those of the picture, those of first impacts.
-struct SmoothCurve::Sum {
-  std::vector<Noise> noises;
-  std::vector<std::vector<Gram>> grams;  ///< of all samples, by place and noise
-  std::vector<Term> terms;
-  Term best;  ///< of the likeliest place
-  std::vector<double> x;
-  std::size_t n_nodes = 0, n_shown = 0;
-  std::vector<FirstFlights> first_flights;      ///< their speeds from n_shown on, behind them that of the rebound
-  std::vector<std::vector<std::size_t>> balls;  ///< terms of each ball of the list that may be this one
 };
 
 SmoothCurve::SmoothCurve(const RestitutionSamples& samples, const std::vector<AirAndContact>& places,
@@ -253,40 +206,8 @@ void SmoothCurve::place_at_speeds(Sum& sum) const {
       sum.balls.push_back(std::move(ball.terms));
 }
 
-namespace {
-
-/// A quantity linear in the mean of eps at some speeds and in the deviations.
-struct Quantity {
-  std::vector<std::pair<Eigen::Index, double>> parts;
-  double offset = 0.0;
-};
-
-}  // namespace
-
-/// The normal distributions of a quantity.
-/// @param quantity_of  (term)
-/// @param more         (term, part) changes the mean and the standard deviation
-template <class Term, class Of, class More>
-static std::vector<NormalPart> parts_of(const std::vector<Term>& terms, Of quantity_of, More more) {
-  std::vector<NormalPart> parts;
-  for (const Term& term : terms) {
-    const Quantity& quantity = quantity_of(term);
-    double mean = quantity.offset;
-    Eigen::VectorXd low = Eigen::VectorXd::Zero(term.low.rows());
-    for (const auto& [column, factor] : quantity.parts)
-      mean += factor * term.mean[column], low += factor * term.low.col(column);
-    NormalPart part{term.weight, mean, low.norm()};
-    more(term, part);
-    part.sd = std::max(part.sd, 1e-12);
-    parts.push_back(part);
-  }
-  return parts;
-}
-
-/// Of the sum; its intervals hold those of each ball which may be this one. Each of a dozen balls has a twelfth of
-/// the weight, and the one at the end of the list would lie in the sum's last hundredths.
-static Estimate stated(const std::vector<NormalPart>& parts, const std::vector<std::vector<std::size_t>>& balls,
-                       double lo, double hi) {
+Estimate stated(const std::vector<NormalPart>& parts, const std::vector<std::vector<std::size_t>>& balls, double lo,
+                double hi) {
   Estimate e = estimate_of(parts, lo, hi);
   for (const std::vector<std::size_t>& ball : balls) {
     std::vector<NormalPart> of_ball;
@@ -447,153 +368,6 @@ void SmoothCurve::describe_deviation(const Sum& sum) {
       1, [](const AirAndContact& known) { return known.has_contact; }, log(best.contact.at_1_mps_s),
       best.contact.spread, curve_.contact_s, curve_.share_of_contact, curve_.contact_pull, deviation_.ln_tau);
   deviation_covariance_ = Eigen::Map<const Eigen::VectorXd>(variances.data(), std::ssize(variances)).asDiagonal();
-}
-
-/// A step is one more column, 1 above its speed, with a size beforehand of some part of 1 - eps. It is stated where it
-/// is nearly certain that one is there, at whichever speed, beside a curve that may bend.
-void SmoothCurve::describe_step(const Sum& sum, const RestitutionSamples& samples) {
-  const CurveAt& curve = places_.front();
-  const CurveAt::Part& some = curve.some();
-  constexpr double kOfLost = 0.6;                        // a floor beside another loses some half as much or twice
-  constexpr std::size_t kBeside = 4, kMostPlaces = 200;  // samples on either side: fewer may be impacts that were lost
-  const double nearly_certain = log(99.0);
-  std::vector<double> x(some.samples.x.data(), some.samples.x.data() + some.samples.size()), at_x;
-  std::sort(x.begin(), x.end());
-  for (std::size_t k = kBeside; k + kBeside <= x.size(); k += 1 + x.size() / kMostPlaces)
-    at_x.push_back(0.5 * (x[k - 1] + x[k]));
-  if (at_x.empty()) return;
-  const auto n_places = static_cast<Eigen::Index>(at_x.size()), n_before = some.columns.cols();
-  Eigen::MatrixXd columns(some.samples.size(), n_before + n_places);
-  columns.leftCols(n_before) = some.columns;
-  for (Eigen::Index k = 0; k < n_places; ++k)
-    columns.col(n_before + k) = (some.samples.x.array() > at_x[static_cast<std::size_t>(k)]).cast<double>();
-  const Term& best = sum.best;
-  const Gram with_steps = gram_of(some.samples, curve.x_middle(), some.inflation, columns, sum.noises[best.noise]);
-  const Gram without{with_steps.of.topLeftCorner(n_before, n_before), with_steps.ln_det, with_steps.timing2,
-                     with_steps.ln_jacobian, with_steps.ln_jacobian_slopes};
-  const LinearEquations of = curve.linear(without, best.base);
-  const std::vector<Eigen::Index> unknowns = curve.unknowns_of(best.base);
-  const Eigen::MatrixXd of_steps = with_steps.of(unknowns, Eigen::seqN(n_before, n_places));
-  const Eigen::Index residual = curve.residual_of(best.base);
-  struct Step {
-    double ln_evidence = 0.0, mean = 0.0, variance = 0.0, slower = 0.0;
-  };
-  std::vector<double> ln_evidence;
-  std::vector<std::vector<Step>> steps(at_x.size());
-  for (const Slopes::Place& place : Slopes::places()) {
-    const Solution solution = curve.solve(of, place);
-    ln_evidence.push_back(solution.ln_evidence);
-    const Eigen::MatrixXd half = solution.root.matrixL().solve(of_steps);
-    for (Eigen::Index k = 0; k < n_places; ++k) {
-      const Eigen::Index column = n_before + k;
-      const double prior2 = square(kOfLost * curve.lost());
-      const double precision = with_steps.of(column, column) - half.col(k).squaredNorm() + 1.0 / prior2;
-      const double right = with_steps.of(column, residual) -
-                           with_steps.timing2 * with_steps.of(column, curve.excess()) - half.col(k).dot(solution.half);
-      Step step{solution.ln_evidence + 0.5 * square(right) / precision - 0.5 * log(precision * prior2) -
-                    log(static_cast<double>(n_places)),
-                right / precision, 1.0 / precision};
-      const double x_here = at_x[static_cast<std::size_t>(k)];
-      const Eigen::VectorXd rest =
-          solution.root.matrixU().solve(Eigen::VectorXd(solution.half - step.mean * half.col(k)));
-      const auto [eps, unit] = curve.base_at(best.base, x_here);
-      step.slower = eps + unit * rest[0] + curve.slopes().row(x_here).dot(rest.segment(1, curve.slopes().n_knots()));
-      steps[static_cast<std::size_t>(k)].push_back(step);
-    }
-  }
-  std::vector<double> ln_with;
-  for (const std::vector<Step>& at_one : steps) {
-    std::vector<double> ln;
-    for (const Step& step : at_one) ln.push_back(step.ln_evidence);
-    ln_with.push_back(ln_sum(ln));
-  }
-  if (ln_sum(ln_with) - ln_sum(ln_evidence) < nearly_certain) return;
-  const auto likeliest = static_cast<std::size_t>(std::max_element(ln_with.begin(), ln_with.end()) - ln_with.begin());
-  double mean = 0.0, squares = 0.0, slower = 0.0;
-  for (const Step& step : steps[likeliest]) {
-    const double weight = exp(step.ln_evidence - ln_with[likeliest]);
-    mean += weight * step.mean, squares += weight * (step.variance + square(step.mean)), slower += weight * step.slower;
-  }
-  curve_.step = RestitutionStep{exp(at_x[likeliest]), slower + mean, slower,
-                                normal_estimate(mean, std::sqrt(squares - square(mean))), std::nullopt};
-  if (curve.all().samples.n_drops > 1) return;
-  for (const RestitutionSample& s : at_the_plate(samples, known(), deviation_))
-    if (s.v_mps > curve_.step->v_mps) curve_.step->impact = std::max(curve_.step->impact.value_or(s.impact), s.impact);
-}
-
-/// The logarithm of a height that follows from eps at a speed, at each place linear about what is likely there.
-/// @param j          of the speed
-/// @param ln_height  (what is known, drag and contact time, eps)
-template <class Sum, class LnHeight>
-static std::vector<Quantity> heights_at(const std::vector<CurveAt>& places, const Sum& sum, std::size_t j,
-                                        LnHeight ln_height) {
-  const auto column = static_cast<Eigen::Index>(j);
-  std::vector<Quantity> of_places;
-  for (std::size_t c = 0; c < places.size(); ++c) {
-    const AirAndContact& known = places[c].known();
-    const Deviation at = places[c].at();
-    double eps = 0.0, weights = 0.0;
-    for (const auto& term : sum.terms)
-      if (term.curve == c) weights += term.weight, eps += term.weight * term.mean[column];
-    of_places.emplace_back();
-    if (!(weights > 0.0)) continue;
-    eps /= weights;
-    constexpr double kStep = 0.02;
-    const auto moved = [&](double of_eps, Deviation off) {
-      return ln_height(known, Deviation{at.ln_kappa + off.ln_kappa, at.ln_tau + off.ln_tau}, eps + of_eps);
-    };
-    const auto slope = [&](Deviation step, double of_eps) {
-      return (moved(of_eps, step) - moved(-of_eps, {-step.ln_kappa, -step.ln_tau})) / (2.0 * kStep);
-    };
-    Quantity& quantity = of_places.back();
-    quantity.offset = moved(0.0, {});
-    const auto add = [&](Eigen::Index of, double factor, double about) {
-      quantity.parts.emplace_back(of, factor);
-      quantity.offset -= factor * about;
-    };
-    const auto n_speeds = static_cast<Eigen::Index>(sum.x.size());
-    add(column, slope({}, kStep), eps);
-    if (known.has_drag) add(n_speeds, slope({kStep, 0.0}, 0.0), log(kappa_at_1_mps(known)) + at.ln_kappa);
-    if (known.has_contact) add(n_speeds + 1, slope({0.0, kStep}, 0.0), log(known.contact.at_1_mps_s) + at.ln_tau);
-  }
-  return of_places;
-}
-
-/// @param j  of the speed of the impact that the flights began with
-void SmoothCurve::describe_heights(const Sum& sum, const FirstFlights& flights, std::size_t j) {
-  const std::vector<Quantity> of_places =
-      heights_at(places_, sum, j, [&](const AirAndContact& known, Deviation at, double eps) {
-        return ln_release_height(flights, OneAirAndContact(known, at), eps);
-      });
-  const auto scatter_too = [&](const Term& term, NormalPart& part) {
-    const double one = sum.noises[term.noise].variance(sum.x[j] - places_[term.curve].x_middle());
-    part.sd = hypot(part.sd, of_places[term.curve].parts.front().second * std::sqrt(one));
-  };
-  const auto quantity_of = [&](const Term& term) -> const Quantity& { return of_places[term.curve]; };
-  add_heights(flights, stated(parts_of(sum.terms, quantity_of, scatter_too), sum.balls, -50.0, 50.0), curve_.heights);
-}
-
-/// With the eps that is stated, the root mean square.
-void SmoothCurve::describe_rebound(const Sum& sum, const std::optional<Ball>& ball, Rebound& rebound) {
-  const std::size_t j = sum.x.size() - 1;
-  const std::vector<Quantity> of_places =
-      heights_at(places_, sum, j, [&](const AirAndContact& known, Deviation at, double eps) {
-        constexpr double kLeastEps = 0.05;
-        const AirAndContact of_drop = in_air(known, ball);
-        const OneAirAndContact one(of_drop, at);
-        return log(one.rise_height_m(std::max(kLeastEps, eps) * one.fall_mps(rebound.rule.height_m)));
-      });
-  const auto root_mean_square = [&](const Term& term, NormalPart& part) {
-    const double mean = term.mean[static_cast<Eigen::Index>(j)];
-    const double one = sum.noises[term.noise].variance(sum.x[j] - places_[term.curve].x_middle());
-    part.mean += of_places[term.curve].parts.front().second * (hypot(mean, std::sqrt(one)) - mean);
-  };
-  const auto quantity_of = [&](const Term& term) -> const Quantity& { return of_places[term.curve]; };
-  const Estimate ln = stated(parts_of(sum.terms, quantity_of, root_mean_square), sum.balls, -50.0, 50.0);
-  rebound.height_m.value = exp(ln.value);
-  rebound.height_m.ci68 = Interval{exp(ln.ci68->lo), exp(ln.ci68->hi)};
-  rebound.height_m.ci95 = Interval{exp(ln.ci95->lo), exp(ln.ci95->hi)};
-  rebound.height_m.se = 0.5 * (rebound.height_m.ci68->hi - rebound.height_m.ci68->lo);
 }
 
 }  // namespace bouncelab::fit

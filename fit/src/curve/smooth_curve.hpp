@@ -8,16 +8,17 @@
 #include "bouncelab/core/samples.hpp"
 #include "bouncelab/fit/curve.hpp"
 #include "curve/curve_at.hpp"
-#include "curve/release.hpp"
 #include "law/law_model.hpp"
 #include "restitution/air_and_contact.hpp"
 
 namespace bouncelab::fit {
 
+struct FirstFlights;
+
 /// What a parametric law is beside the curve.
 struct LawBeside {
   LawMisfit misfit;
-  Eigen::MatrixXd by_deviation;  ///< d q / d (ln kappa, ln tau), as far as these are open
+  Eigen::MatrixXd covariance;  ///< of the law's values q, by what is open of drag and contact time
 };
 
 /// eps(v) of a ball: the law itself is left open, and what is said beforehand is how fast it may bend
@@ -42,8 +43,6 @@ class SmoothCurve {
   /// The likeliest place, and where drag and contact time are there.
   const AirAndContact& known() const { return places_.front().known(); }
   Deviation deviation() const { return deviation_; }
-  /// About that, of the deviations that are open there.
-  const Eigen::MatrixXd& deviation_covariance() const { return deviation_covariance_; }
 
   /// @param law   with the constants as fitted: where the scatter is not symmetric, of its peak
   /// @param scatter  from there to the mean; absent: the law is the mean
@@ -70,7 +69,7 @@ class SmoothCurve {
 
   Curve curve_;
   Deviation deviation_;
-  Eigen::MatrixXd deviation_covariance_;
+  Eigen::MatrixXd deviation_covariance_;  ///< about that, of the deviations that are open
 };
 
 }  // namespace bouncelab::fit

@@ -8,7 +8,7 @@
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/text.hpp"
 #include "dem/decks.hpp"
-#include "sampler_text.hpp"
+#include "dem/texts.hpp"
 
 namespace bouncelab::fit {
 namespace {

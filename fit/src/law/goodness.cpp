@@ -9,7 +9,7 @@
 #include "bouncelab/core/numerics.hpp"
 #include "bouncelab/core/parallel.hpp"
 #include "bouncelab/core/random.hpp"
-#include "numerics/distributions.hpp"
+#include "numerics/numerics.hpp"
 
 namespace bouncelab::fit {
 
@@ -61,7 +61,7 @@ std::vector<double> expected_distances(const LawLikelihood& likelihood, const Sc
 std::vector<ResidualBin> residual_bins(const LawLikelihood& likelihood, const Eigen::VectorXd& theta) {
   const std::size_t n = likelihood.data().size();
   const std::size_t n_bins = std::clamp<std::size_t>(n / 12, 1, 24);
-  const LawLikelihood::Derivatives of = likelihood.derivatives(theta);
+  const LawLikelihood::LocationScores of = likelihood.location_scores(theta);
   const std::vector<double> expected_distance = expected_distances(likelihood, likelihood.scatter_model(theta));
   std::vector<ResidualBin> bins;
   for (std::size_t j = 0; j < n_bins; ++j) {
@@ -74,7 +74,7 @@ std::vector<ResidualBin> residual_bins(const LawLikelihood& likelihood, const Ei
       bin.mean_residual += of.residual[k] / static_cast<double>(bin.n);
       distance += std::abs(of.residual[k]);
       expected += expected_distance[k];
-      score += of.by_location[k];
+      score += of.score[k];
     }
     bin.median_residual = upper_median({of.residual.begin() + static_cast<std::ptrdiff_t>(begin),
                                         of.residual.begin() + static_cast<std::ptrdiff_t>(end)});
@@ -148,8 +148,7 @@ AndersonDarling anderson_darling_test(const LawLikelihood& likelihood, const Max
                                       std::uint64_t seed) {
   AndersonDarling result;
   result.a2 = anderson_darling(likelihood.probabilities_below(maximum.x));
-  LawData design = thinned_and_widened(likelihood, maximum.x);
-  design.basis = make_law_basis(likelihood.model(), design.v_mps);
+  const LawData design = thinned_and_widened(likelihood, maximum.x);
   const LawLikelihood thin(design, likelihood.model(), likelihood.scatter());
   const Eigen::MatrixXd information = thin.information(maximum.x);
   const ScatterModel scatter = likelihood.scatter_model(maximum.x);

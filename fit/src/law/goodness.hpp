@@ -7,7 +7,7 @@
 
 #include "bouncelab/fit/law_fit.hpp"
 #include "law/law_likelihood.hpp"
-#include "numerics/maximise.hpp"
+#include "numerics/numerics.hpp"
 
 namespace bouncelab::fit {
 

@@ -3,12 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <utility>
 #include <vector>
 
 #include "bouncelab/core/elementary.hpp"
-#include "numerics/distributions.hpp"
-#include "numerics/linalg.hpp"
+#include "bouncelab/fit/estimate.hpp"
+#include "numerics/numerics.hpp"
 
 namespace bouncelab::fit {
 namespace {
@@ -206,10 +207,8 @@ std::optional<ProfileIntervals> profile_intervals(const LogLikelihood& loglik, c
 namespace {
 
 /// Curvature of the log-likelihood in whitened coordinates, sign reversed, by differences of the gradient over one
-/// standard error: that far the kinks of single samples are smoothed out. Of very many samples by each sample's own
-/// differences: those by parameters take up to 30 passes.
+/// standard error: that far the kinks of single samples are smoothed out.
 Eigen::MatrixXd curvature(const LawLikelihood& likelihood, const Eigen::VectorXd& theta, const Eigen::MatrixXd& white) {
-  if (likelihood.data().size() >= kVeryMany) return congruence(white, likelihood.observed_information(theta));
   const Eigen::Index n_theta = theta.size();
   Eigen::MatrixXd h(n_theta, n_theta);
   for (Eigen::Index j = 0; j < n_theta; ++j) {
@@ -274,6 +273,54 @@ std::optional<ErrorsByDrop> errors_by_sample(const LawLikelihood& likelihood, co
   const Eigen::MatrixXd scores = transposed_product(white, likelihood.scores_by_sample(theta));
   // each has p/n of what is known
   return ErrorsByDrop{product(white, h->solve(scores)) * (-n / (n - p)), std::move(observed)};
+}
+
+const char* to_string(FitStatus status) {
+  switch (status) {
+    case FitStatus::ok:
+      return "ok";
+    case FitStatus::not_identifiable:
+      return "not_identifiable";
+    case FitStatus::not_applicable:
+      return "not_applicable";
+    case FitStatus::not_converged:
+      return "not_converged";
+    case FitStatus::too_few_samples:
+      return "too_few_samples";
+  }
+  return "unknown";
+}
+
+const char* to_string(ErrorBasis basis) {
+  switch (basis) {
+    case ErrorBasis::independent_samples:
+      return "independent_samples";
+    case ErrorBasis::by_sample:
+      return "by_sample";
+    case ErrorBasis::by_drop:
+      return "by_drop";
+  }
+  return "unknown";
+}
+
+Estimate normal_estimate(double value, double se, double reach68, double reach95) {
+  Estimate estimate;
+  estimate.value = value;
+  estimate.se = se;
+  estimate.ci68 = Interval{value - reach68 * se, value + reach68 * se};
+  estimate.ci95 = Interval{value - reach95 * se, value + reach95 * se};
+  return estimate;
+}
+
+std::string in_words(double value, std::optional<double> se) {
+  char text[64];
+  if (!se || !(*se > 0.0) || !std::isfinite(*se)) {
+    std::snprintf(text, sizeof text, "%.6g", value);
+    return text;
+  }
+  const int decimals = std::clamp(1 - static_cast<int>(std::floor(log10(*se))), 0, 12);
+  std::snprintf(text, sizeof text, "%.*f ± %.*f", decimals, value, decimals, *se);
+  return text;
 }
 
 }  // namespace bouncelab::fit

@@ -7,7 +7,7 @@
 
 #include "bouncelab/fit/estimate.hpp"
 #include "law/law_likelihood.hpp"
-#include "numerics/maximise.hpp"
+#include "numerics/numerics.hpp"
 
 namespace bouncelab::fit {
 

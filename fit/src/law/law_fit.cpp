@@ -14,7 +14,7 @@
 #include "law/law_likelihood.hpp"
 #include "law/law_model.hpp"
 #include "law/law_search.hpp"
-#include "numerics/maximise.hpp"
+#include "numerics/numerics.hpp"
 
 namespace bouncelab::fit {
 namespace {
@@ -62,22 +62,19 @@ std::vector<LawComparison> comparison(const Candidate& main, const LawFitConfig&
     const LawLikelihood likelihood(main.data, model, main.family);
     Maximum maximum = main.maximum;
     if (!results.empty()) {
-      const Eigen::VectorXd start = start_by_some(main.data, model, main.family);
+      const Eigen::VectorXd start = start_values(main.data, model, main.family);
       if (start.size() == 0) continue;
-      maximum = maximise_from_some(likelihood, start);
+      maximum = find_maximum(likelihood, start);
       if (!maximum.converged) continue;
     }
     LawComparison c;
     for (const std::string& name : model.names()) c.name += (c.name.empty() ? "" : ", ") + name;
-    c.n_parameters = static_cast<std::size_t>(likelihood.n_parameters());
-    c.loglik = maximum.loglik;
-    c.aic = 2.0 * static_cast<double>(c.n_parameters) - 2.0 * c.loglik;
-    c.bic = log(static_cast<double>(main.data.size())) * static_cast<double>(c.n_parameters) - 2.0 * c.loglik;
+    c.delta_aic = 2.0 * static_cast<double>(likelihood.n_parameters()) - 2.0 * maximum.loglik;
     results.push_back(std::move(c));
   }
-  double aic = HUGE_VAL, bic = HUGE_VAL;
-  for (const LawComparison& c : results) aic = std::min(aic, c.aic), bic = std::min(bic, c.bic);
-  for (LawComparison& c : results) c.delta_aic = c.aic - aic, c.delta_bic = c.bic - bic;
+  double least = HUGE_VAL;
+  for (const LawComparison& c : results) least = std::min(least, c.delta_aic);
+  for (LawComparison& c : results) c.delta_aic -= least;
   return results;
 }
 
@@ -137,13 +134,11 @@ LawFit fitted_law(const RestitutionSamples& samples, const OrderedSamples& order
   }
 
   const LawModel model = make_law_model(config.kind, config.orders, data.v_mps);
-  data.basis = make_law_basis(model, data.v_mps);
   auto candidate = best_candidate(data, model, config);
   // outliers widen the scatter they are judged by: again until none is left
   while (candidate && data.size() > kFewest && remove_outliers(data, model, *candidate, rows, fit.outliers)) {
     data = law_data(samples, rows);
-    data.basis = make_law_basis(model, data.v_mps);
-    candidate = again_without_outliers(data, model, config, *candidate);
+    candidate = again_without_outliers(data, model, *candidate);
   }
   std::sort(fit.outliers.begin(), fit.outliers.end());
   fit.n = data.size();
@@ -156,7 +151,8 @@ LawFit fitted_law(const RestitutionSamples& samples, const OrderedSamples& order
   describe_fit(fit, likelihood, candidate->maximum,
                config.node_speeds_mps.empty() ? node_speeds(data.v_mps) : config.node_speeds_mps, config.intervals);
   if (!candidate->maximum.converged) return fit;
-  if (config.n_goodness > 0)
+  constexpr std::size_t kFewestOfGoodness = 100;  // of fewer the test sees no scatter but one that is grossly another
+  if (config.n_goodness > 0 && fit.n >= kFewestOfGoodness)
     fit.anderson_darling = anderson_darling_test(likelihood, candidate->maximum, config.n_goodness, config.seed);
   if (config.n_bootstrap > 0) add_bootstrap(fit, likelihood, candidate->maximum, config);
   if (config.compare_laws) fit.comparison = comparison(*candidate, config);

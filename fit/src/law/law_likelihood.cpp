@@ -58,15 +58,6 @@ BOUNCELAB_VECTOR_CLONES void add_normal_part(SampleBlock& s, double square_of_ra
   }
 }
 
-/// @param location  in widths of the scatter
-void displace(SampleBlock& s, const double* tau, double location) {
-  for (std::size_t k = 0; k < s.n; ++k) {
-    const double b = 0.5 * (s.sides.b_below[k] + s.sides.b_above[k]);
-    s.width[k] = std::sqrt(b * b + tau[k] * tau[k]);
-    s.residual[k] -= location * s.width[k];
-  }
-}
-
 /// Derivatives by the scales, with the normal part and the peak's offset going along, and by rho.
 BOUNCELAB_VECTOR_CLONES void derive_with_normal_part(SampleBlock& s) {
   for (std::size_t k = 0; k < s.n; ++k) {
@@ -83,6 +74,13 @@ double sum_of_log_densities(std::size_t n, DensityBlock& f) {
   double sum = 0.0;
   for (std::size_t k = 0; k < n; ++k) sum += f.exponent[k] + f.factor[k];
   return sum;
+}
+
+/// What the curve is made of at each speed: d eps / d q of a linear model, v^(1/10) of the viscoelastic one.
+Eigen::MatrixXd basis_of(const LawModel& model, std::span<const double> v_mps) {
+  if (model.is_linear()) return model.jacobian(v_mps, Eigen::VectorXd::Ones(model.n_parameters()));
+  const std::vector<double> tenth_powers = powers_of(v_mps, 0.1);
+  return Eigen::Map<const Eigen::VectorXd>(tenth_powers.data(), static_cast<Eigen::Index>(tenth_powers.size()));
 }
 
 Eigen::Map<const Eigen::ArrayXd> array_of(std::size_t n, const double* x) { return {x, static_cast<Eigen::Index>(n)}; }
@@ -106,12 +104,7 @@ Eigen::Index ScatterFamily::n_parameters() const {
 }
 
 LawLikelihood::LawLikelihood(const LawData& data, const LawModel& model, const ScatterFamily& scatter)
-    : data_(data),
-      model_(model),
-      scatter_(scatter),
-      n_law_(model.n_parameters()),
-      held_(basis_of(data, model)),
-      basis_(held_->rows) {
+    : data_(data), model_(model), scatter_(scatter), n_law_(model.n_parameters()), basis_(basis_of(model, data.v_mps)) {
   constexpr double kRangeOfLost = 2.0;
   odds_of_lost_density_ = scatter.lost_share / kRangeOfLost / (1.0 - scatter.lost_share);
   x_.reserve(data.size());
@@ -144,73 +137,17 @@ double LawLikelihood::square_of_normal_ratio(const Eigen::VectorXd& theta) const
 LawLikelihood::Shape LawLikelihood::shape(const Eigen::VectorXd& theta) const {
   Shape shape{square_of_normal_ratio(theta), {}};
   if (scatter_.kind != ScatterKind::normal_laplace) return shape;
+  const double *below = theta.data() + n_law_, *above = below + scatter_.n_terms;
   // one knot beyond the data on each side
   double near = 0.0;
   for (std::size_t j = 0; j < (scatter_.n_terms == 1 ? 1 : kKnots); ++j) {
-    shape.peaks.push_back(peak(theta, x_.front() + (static_cast<double>(j) - 1.0) * knot_distance_, near));
+    const double x = x_.front() + (static_cast<double>(j) - 1.0) * knot_distance_;
+    const double asymmetry = polynomial(above, scatter_.n_terms, x) - polynomial(below, scatter_.n_terms, x);
+    shape.peaks.push_back(
+        mode_offset(std::clamp(asymmetry, kLogScaleMin, -kLogScaleMin), theta[theta.size() - 1], near));
     near = 2.0 * shape.peaks[j].value - shape.peaks[j > 0 ? j - 1 : 0].value;
   }
   return shape;
-}
-
-ModeOffset LawLikelihood::peak(const Eigen::VectorXd& theta, double x, double near) const {
-  if (scatter_.kind != ScatterKind::normal_laplace) return {};
-  const double* c = theta.data() + n_law_;
-  const double asymmetry = polynomial(c + scatter_.n_terms, scatter_.n_terms, x) - polynomial(c, scatter_.n_terms, x);
-  return mode_offset(std::clamp(asymmetry, kLogScaleMin, -kLogScaleMin), theta[theta.size() - 1], near);
-}
-
-LawLikelihood::Scales LawLikelihood::scales(const Eigen::VectorXd& theta, std::size_t k) const {
-  const double* c = theta.data() + n_law_;
-  const auto scale = [&](const double* of) {
-    return exp(std::clamp(polynomial(of, scatter_.n_terms, x_[k]), kLogScaleMin, kLogScaleMax));
-  };
-  Scales s;
-  s.b_below = scale(c);
-  s.b_above = scatter_.is_two_sided() ? scale(c + scatter_.n_terms) : s.b_below;
-  const double square_of_size = s.b_below * s.b_above, normal = square_of_normal_ratio(theta) * square_of_size;
-  const double all = normal + square(data_.tau[k]);
-  s.tau = std::sqrt(all);
-  s.normal_share = normal / all;
-  s.size = std::sqrt(square_of_size);
-  s.peak = peak(theta, x_[k]);
-  return s;
-}
-
-std::vector<SampleBlock> LawLikelihood::gathered(const Eigen::VectorXd& theta,
-                                                 const std::vector<std::size_t>& samples) const {
-  std::vector<SampleBlock> blocks((samples.size() + kBlockSize - 1) / kBlockSize);
-  for (std::size_t i = 0; i < samples.size(); ++i) {
-    SampleBlock& block = blocks[i / kBlockSize];
-    const Scales s = scales(theta, samples[i]);
-    const std::size_t k = block.n++;
-    block.residual[k] = data_.eps[samples[i]] - eps_of(theta, samples[i]) + s.size * s.peak.value;
-    block.sides.b_below[k] = s.b_below;
-    block.sides.b_above[k] = s.b_above;
-    block.tau[k] = s.tau;
-    block.inverse_tau[k] = 1.0 / s.tau;
-  }
-  for (SampleBlock& block : blocks) block.sides.complete(block.n);
-  return blocks;
-}
-
-LawLikelihood::LocationScore LawLikelihood::location_score(const std::vector<SampleBlock>& samples,
-                                                           double offset) const {
-  LocationScore score;
-  DensityBlock f;
-  for (const SampleBlock& s : samples) {
-    Block d;
-    for (std::size_t k = 0; k < s.n; ++k) d[k] = s.residual[k] - offset;
-    if (scatter_.kind == ScatterKind::normal)
-      for (std::size_t k = 0; k < s.n; ++k) f.d_location[k] = d[k] / (square(s.sides.b_below[k]) + square(s.tau[k]));
-    else
-      normal_laplace(s.n, d.data(), s.sides, s.tau.data(), s.inverse_tau.data(), odds_of_lost_density_, f);
-    for (std::size_t k = 0; k < s.n; ++k) {
-      score.sum += f.d_location[k];
-      score.squares += square(f.d_location[k]);
-    }
-  }
-  return score;
 }
 
 void LawLikelihood::compute_curve(const Eigen::VectorXd& theta, SampleBlock& s) const {
@@ -283,9 +220,8 @@ LawLikelihood::NormalPart LawLikelihood::compute_scatter(const Eigen::VectorXd& 
   return {s.tau.data(), s.inverse_tau.data()};
 }
 
-void LawLikelihood::compute(const Eigen::VectorXd& theta, const Shape& shape, SampleBlock& s, double location) const {
+void LawLikelihood::compute(const Eigen::VectorXd& theta, const Shape& shape, SampleBlock& s) const {
   const NormalPart part = compute_scatter(theta, shape, s);
-  if (location != 0.0) displace(s, part.tau, location);
   if (scatter_.kind == ScatterKind::normal) return normal_densities(s, part.tau);
   normal_laplace(s.n, s.residual.data(), s.sides, part.tau, part.inverse_tau, odds_of_lost_density_, s.f);
   if (shape.square_of_ratio > 0.0) derive_with_normal_part(s);

@@ -4,7 +4,6 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <array>
-#include <memory>
 #include <optional>
 #include <vector>
 
@@ -50,7 +49,6 @@ struct SampleBlock {
   Block tau, inverse_tau;                      ///< normal part and timing error together
   Block normal_share, size;                    ///< of the normal part in tau^2; sqrt(b_below b_above)
   Block peak, peak_by_asymmetry, peak_by_rho;  ///< in units of size
-  Block width;  ///< of scatter and timing errors, where the curve is displaced by a part of it
   DensityBlock f;
 };
 
@@ -81,32 +79,19 @@ class LawLikelihood {
   /// Expected information at theta; from every n-th sample (in order of speed) where there are many.
   Eigen::MatrixXd information(const Eigen::VectorXd& theta) const;
 
-  /// Observed information at theta: the curvature of the log-likelihood, sign reversed. By differences of each sample's
-  /// scores over one standard error of the curve, sqrt(n_law / n) of the scatter's width: that far the kinks of single
-  /// samples are smoothed out. A sample's density depends on theta by location, log scales and rho alone: two
-  /// evaluations for each of these, however many parameters they have.
-  Eigen::MatrixXd observed_information(const Eigen::VectorXd& theta) const;
-
-  /// These samples with their scatter, for location_score().
-  std::vector<SampleBlock> gathered(const Eigen::VectorXd& theta, const std::vector<std::size_t>& samples) const;
-  /// Derivative of their log-likelihood by the curve's location, and the sum of the squares of the samples' own.
-  struct LocationScore {
-    double sum = 0.0, squares = 0.0;
-  };
-  /// @param offset  of the samples from the curve, which is taken out
-  LocationScore location_score(const std::vector<SampleBlock>& samples, double offset) const;
   /// Of each sample to be a lost bounce, not one of the scatter.
   std::vector<double> probabilities_of_lost(const Eigen::VectorXd& theta) const;
   /// Distribution function of the scatter at each sample.
   std::vector<double> probabilities_below(const Eigen::VectorXd& theta) const;
-  /// Of each sample: its distance from the curve, and derivatives of its log density by location, log b_below, log
-  /// b_above and rho (0 where the family has no such parameter).
-  struct Derivatives {
-    std::vector<double> residual, by_location, by_log_below, by_log_above, by_rho;
-    std::vector<double> slope;  ///< of the curve by q where the model is not linear, else empty
+  /// Of each sample its distance from the curve, and the derivative of its log density by the curve's location.
+  struct LocationScores {
+    std::vector<double> residual, score;
   };
-  Derivatives derivatives(const Eigen::VectorXd& theta) const;
-  Eigen::Matrix4d information_of(const Eigen::VectorXd& theta, std::size_t k) const;
+  LocationScores location_scores(const Eigen::VectorXd& theta) const;
+  /// Expected information of sample k on location, log b_below, log b_above and rho.
+  Eigen::Matrix4d information_of(const Eigen::VectorXd& theta, std::size_t k) const {
+    return information_of(theta, shape(theta), k);
+  }
   /// Of the curve at sample k, and where asked for its derivatives by q.
   double eps_of(const Eigen::VectorXd& theta, std::size_t k, double* row = nullptr) const;
   /// Gradients of each drop's log-likelihood, a column a drop.
@@ -123,31 +108,15 @@ class LawLikelihood {
   const ScatterFamily& scatter() const { return scatter_; }
 
  private:
-  /// Scales of one sample's scatter.
-  struct Scales {
-    double b_below = 1.0, b_above = 1.0;
-    double tau = 0.0;           ///< normal part and timing error together
-    double normal_share = 0.0;  ///< of the normal part in tau^2
-    double size = 0.0;          ///< sqrt(b_below b_above)
-    ModeOffset peak;            ///< in units of size
-  };
   /// What the scatter of all samples has in common at one theta.
   struct Shape {
     double square_of_ratio = 0.0;   ///< of the normal part over sqrt(b_below b_above)
     std::vector<ModeOffset> peaks;  ///< at knots of log speed; one where it does not depend on the speed
   };
   Shape shape(const Eigen::VectorXd& theta) const;
-  Scales scales(const Eigen::VectorXd& theta, std::size_t k) const;
-  ModeOffset peak(const Eigen::VectorXd& theta, double x, double near = 0.0) const;
   double square_of_normal_ratio(const Eigen::VectorXd& theta) const;
   /// Of s.n samples from s.begin on: densities with their derivatives.
-  /// @param location  the curve's displacement, in widths of the scatter and timing errors together
-  void compute(const Eigen::VectorXd& theta, const Shape& shape, SampleBlock& s, double location = 0.0) const;
-  struct Displaced;
-  class CurvatureSum;
-  Displaced displaced(const Eigen::VectorXd& theta) const;
-  /// Sum over samples of the score by location times the curve's second derivative by q.
-  double bend_of_curve(const Eigen::VectorXd& theta) const;
+  void compute(const Eigen::VectorXd& theta, const Shape& shape, SampleBlock& s) const;
   /// All that density and distribution function take: residuals (with a normal part from where the exponentials join),
   /// sides, standard deviations of normal part and timing error together.
   struct NormalPart {
@@ -178,13 +147,12 @@ class LawLikelihood {
   void compute_sides(const Eigen::VectorXd& theta, SampleBlock& s) const;
   void compute_peaks(const Shape& shape, SampleBlock& s) const;
   void add_scores(SampleBlock& s, double* sums) const;
-  /// Adds sample k's score to a gradient.
-  void add_score(const Derivatives& d, std::size_t k, double* gradient) const;
   double penalty(const Eigen::VectorXd& theta, Eigen::VectorXd* gradient) const;
   void add_penalty_curvature(const Eigen::VectorXd& theta, Eigen::MatrixXd& information) const;
   /// Expected information of one sample by all parameters is e_ij c_i c_j: c are the derivatives of location and log
   /// scales by theta, e the information by those, by pairs of parameters.
   Eigen::MatrixXd expanded(const Eigen::Matrix4d& information) const;
+  Eigen::Matrix4d information_of(const Eigen::VectorXd& theta, const Shape& shape, std::size_t k) const;
   void fill_design(const Eigen::VectorXd& theta, std::size_t k, double* c) const;
   std::size_t information_stride() const;
 
@@ -196,8 +164,7 @@ class LawLikelihood {
   std::vector<double> x_;              ///< log(v / v_ref)
   std::vector<double> inverse_tau_;
   double knot_distance_ = 1.0;  ///< in x
-  std::shared_ptr<const LawBasis> held_;
-  const Eigen::MatrixXd& basis_;
+  Eigen::MatrixXd basis_;       ///< a row a sample
 };
 
 /// Without the normal part's size. @param n_law  parameters of the law, which come first in theta

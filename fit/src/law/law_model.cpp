@@ -10,7 +10,7 @@
 
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/error.hpp"
-#include "numerics/linalg.hpp"
+#include "numerics/numerics.hpp"
 
 namespace bouncelab::fit {
 namespace {
@@ -238,23 +238,7 @@ void check(const RestitutionSamples& samples) {
   }
 }
 
-bool is_of(const std::shared_ptr<const LawBasis>& basis, const LawModel& model) {
-  return basis && basis->kind == model.kind && basis->orders == model.orders && basis->node_v_mps == model.node_v_mps;
-}
-
 }  // namespace
-
-std::shared_ptr<const LawBasis> make_law_basis(const LawModel& model, std::span<const double> v_mps) {
-  if (model.is_linear())
-    return std::make_shared<LawBasis>(LawBasis{model.kind, model.orders, model.node_v_mps,
-                                               model.jacobian(v_mps, Eigen::VectorXd::Ones(model.n_parameters()))});
-  const std::vector<double> tenth_powers = powers_of(v_mps, 0.1);
-  return std::make_shared<LawBasis>(
-      LawBasis{model.kind,
-               model.orders,
-               {},
-               Eigen::Map<const Eigen::VectorXd>(tenth_powers.data(), static_cast<Eigen::Index>(tenth_powers.size()))});
-}
 
 LawData thinned(const LawData& all, std::size_t stride) {
   LawData data;
@@ -265,10 +249,6 @@ LawData thinned(const LawData& all, std::size_t stride) {
     data.drop.push_back(all.drop[k]);
   }
   return data;
-}
-
-std::shared_ptr<const LawBasis> basis_of(const LawData& data, const LawModel& model) {
-  return is_of(data.basis, model) ? data.basis : make_law_basis(model, data.v_mps);
 }
 
 LawData law_data(const RestitutionSamples& samples, const std::vector<std::size_t>& order) {

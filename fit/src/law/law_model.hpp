@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
-#include <memory>
 #include <span>
 #include <string>
 #include <utility>
@@ -82,27 +81,13 @@ ScaleColumns scales_at(const ScatterModel& scatter, std::span<const double> v_mp
 /// From here on a fit costs as many seconds as it takes passes over all samples.
 inline constexpr std::size_t kVeryMany = 20000;
 
-/// What the curve of a law is made of at each speed.
-struct LawBasis {
-  LawKind kind = LawKind::series;
-  std::vector<int> orders;
-  std::vector<double> node_v_mps;
-  Eigen::MatrixXd rows;  ///< a row a sample: d eps / d q of a linear model, v^(1/10) of the viscoelastic one
-};
-std::shared_ptr<const LawBasis> make_law_basis(const LawModel& model, std::span<const double> v_mps);
-
 /// What is fitted: columns of equal length, sorted by speed.
 struct LawData {
   std::vector<double> v_mps, eps;
   std::vector<double> tau;        ///< standard deviation of the normal part: timing error, > 0
   std::vector<std::size_t> drop;  ///< number of the drop each sample belongs to, from 0, none left out
-  /// Of the speeds, for one law: many likelihoods of the same samples take it from here. Goes with the speeds alone.
-  std::shared_ptr<const LawBasis> basis = nullptr;
   std::size_t size() const { return v_mps.size(); }
 };
-
-/// That of the data where it is of this model, else a new one.
-std::shared_ptr<const LawBasis> basis_of(const LawData& data, const LawModel& model);
 
 /// Every n-th sample, from half of `stride` on.
 LawData thinned(const LawData& all, std::size_t stride);

@@ -10,7 +10,7 @@
 #include "bouncelab/core/text.hpp"
 #include "law/goodness.hpp"
 #include "law/intervals.hpp"
-#include "numerics/linalg.hpp"
+#include "numerics/numerics.hpp"
 
 namespace bouncelab::fit {
 namespace {
@@ -87,8 +87,6 @@ void describe_parameters(LawFit& fit, const LawLikelihood& likelihood, const Par
     for (NamedEstimate& p : fit.parameters) p.estimate.identified = false;
   fit.covariance = to_matrix(covariance);
   fit.correlation = to_matrix(correlation);
-  const Eigen::VectorXd spectrum = eigenvalues(correlation);
-  if (spectrum.minCoeff() > 0.0) fit.condition_number = spectrum.maxCoeff() / spectrum.minCoeff();
   fit.why = not_identified(fit.parameters, fit.n);
   if (fit.why) fit.status = FitStatus::not_identifiable;
 }
@@ -105,10 +103,7 @@ void describe_nodes(LawFit& fit, const LawModel& model, const ParameterCovarianc
 }
 
 void describe_goodness(LawFit& fit, const LawLikelihood& likelihood, const Maximum& maximum) {
-  const double n_parameters = static_cast<double>(fit.n_parameters), n = static_cast<double>(fit.n);
   fit.loglik = maximum.loglik;
-  fit.aic = 2.0 * n_parameters - 2.0 * maximum.loglik;
-  fit.bic = n_parameters * log(n) - 2.0 * maximum.loglik;
   constexpr std::size_t kFewestDegrees = 5;  // of fewer chi^2 says nothing
   if (const auto chi2 = pearson_chi2(likelihood.probabilities_below(maximum.x), fit.n_parameters);
       chi2 && chi2->ndf >= kFewestDegrees) {
@@ -203,12 +198,6 @@ std::optional<Note> not_identified(const std::vector<NamedEstimate>& parameters,
                    formatted(" %.3g to %.3g", p.estimate.ci95->lo, p.estimate.ci95->hi);
   if (intervals.empty()) return std::nullopt;
   return Note{NoteKind::not_identifiable, {static_cast<double>(n)}, intervals};
-}
-
-void describe_nodes(LawFit& fit, const LawLikelihood& likelihood, const Maximum& maximum,
-                    const std::vector<double>& node_speeds_mps) {
-  const Known known = known_of(fit, likelihood, maximum);
-  describe_nodes(fit, likelihood.model(), known.parameters, node_speeds_mps);
 }
 
 void describe_fit(LawFit& fit, const LawLikelihood& likelihood, const Maximum& maximum,

@@ -4,7 +4,7 @@
 
 #include "bouncelab/core/elementary.hpp"
 #include "law/law_likelihood.hpp"
-#include "numerics/linalg.hpp"
+#include "numerics/numerics.hpp"
 
 // What is asked of every sample or drop at the maximum: probabilities, scores, expected information.
 
@@ -39,54 +39,44 @@ std::vector<double> LawLikelihood::probabilities_below(const Eigen::VectorXd& th
   return u;
 }
 
-LawLikelihood::Derivatives LawLikelihood::derivatives(const Eigen::VectorXd& theta) const {
+LawLikelihood::LocationScores LawLikelihood::location_scores(const Eigen::VectorXd& theta) const {
   const Shape common = shape(theta);
-  Derivatives d;
-  for (std::vector<double>* column : {&d.residual, &d.by_location, &d.by_log_below, &d.by_log_above, &d.by_rho})
-    column->assign(data_.size(), 0.0);
-  if (!model_.is_linear()) d.slope.resize(data_.size());
+  LocationScores of{std::vector<double>(data_.size()), std::vector<double>(data_.size())};
   visit_all([&](SampleBlock& s) {
-    const auto put = [&](const Block& block, std::vector<double>& column) {
-      std::copy_n(block.begin(), s.n, column.begin() + static_cast<std::ptrdiff_t>(s.begin));
-    };
     compute_curve(theta, s);
-    put(s.residual, d.residual);
+    std::copy_n(s.residual.begin(), s.n, &of.residual[s.begin]);
     compute(theta, common, s);
-    put(s.f.d_location, d.by_location);
-    put(s.f.d_log_below, d.by_log_below);
-    put(s.f.d_log_above, d.by_log_above);
-    if (scatter_.kind == ScatterKind::normal_laplace) put(s.f.d_log_tau, d.by_rho);
-    if (!model_.is_linear()) put(s.slope[0], d.slope);
+    std::copy_n(s.f.d_location.begin(), s.n, &of.score[s.begin]);
   });
-  return d;
-}
-
-void LawLikelihood::add_score(const Derivatives& d, std::size_t k, double* gradient) const {
-  const auto add_powers = [&](double value, double* sums) {
-    for (std::size_t j = 0; j < scatter_.n_terms; ++j, value *= x_[k]) sums[j] += value;
-  };
-  const auto row = static_cast<Eigen::Index>(k);
-  for (Eigen::Index i = 0; i < n_law_; ++i)
-    gradient[i] += d.by_location[k] * (d.slope.empty() ? basis_(row, i) : d.slope[k]);
-  double* of_scales = gradient + n_law_;
-  if (!scatter_.is_two_sided()) return add_powers(d.by_log_below[k] + d.by_log_above[k], of_scales);
-  add_powers(d.by_log_below[k], of_scales);
-  add_powers(d.by_log_above[k], of_scales + scatter_.n_terms);
-  if (scatter_.kind == ScatterKind::normal_laplace) of_scales[2 * scatter_.n_terms] += d.by_rho[k];
-}
-
-Eigen::MatrixXd LawLikelihood::scores_by_drop(const Eigen::VectorXd& theta) const {
-  const Derivatives d = derivatives(theta);
-  Eigen::MatrixXd scores = Eigen::MatrixXd::Zero(n_parameters(), static_cast<Eigen::Index>(n_drops()));
-  for (std::size_t k = 0; k < data_.size(); ++k)
-    add_score(d, k, scores.col(static_cast<Eigen::Index>(data_.drop[k])).data());
-  return scores;
+  return of;
 }
 
 Eigen::MatrixXd LawLikelihood::scores_by_sample(const Eigen::VectorXd& theta) const {
-  const Derivatives d = derivatives(theta);
-  Eigen::MatrixXd scores = Eigen::MatrixXd::Zero(n_parameters(), static_cast<Eigen::Index>(data_.size()));
-  for (std::size_t k = 0; k < data_.size(); ++k) add_score(d, k, scores.col(static_cast<Eigen::Index>(k)).data());
+  const Shape common = shape(theta);
+  Eigen::MatrixXd scores(n_parameters(), static_cast<Eigen::Index>(data_.size()));
+  visit_all([&](SampleBlock& s) {
+    compute(theta, common, s);
+    if (!scatter_.is_two_sided())
+      for (std::size_t k = 0; k < s.n; ++k) s.f.d_log_below[k] += s.f.d_log_above[k];
+    for (std::size_t k = 0; k < s.n; ++k) {
+      double* to = scores.col(static_cast<Eigen::Index>(s.begin + k)).data();
+      for (std::size_t i = 0; i < static_cast<std::size_t>(n_law_); ++i) *to++ = s.f.d_location[k] * slope_of(s, i)[k];
+      const auto put_powers = [&](double value) {
+        for (std::size_t j = 0; j < scatter_.n_terms; ++j, value *= x_[s.begin + k]) *to++ = value;
+      };
+      put_powers(s.f.d_log_below[k]);
+      if (scatter_.is_two_sided()) put_powers(s.f.d_log_above[k]);
+      if (scatter_.kind == ScatterKind::normal_laplace) *to = s.f.d_log_tau[k];
+    }
+  });
+  return scores;
+}
+
+Eigen::MatrixXd LawLikelihood::scores_by_drop(const Eigen::VectorXd& theta) const {
+  const Eigen::MatrixXd of_samples = scores_by_sample(theta);
+  Eigen::MatrixXd scores = Eigen::MatrixXd::Zero(n_parameters(), static_cast<Eigen::Index>(n_drops()));
+  for (std::size_t k = 0; k < data_.size(); ++k)
+    scores.col(static_cast<Eigen::Index>(data_.drop[k])) += of_samples.col(static_cast<Eigen::Index>(k));
   return scores;
 }
 
@@ -112,23 +102,26 @@ void add_weighted_square(const Eigen::MatrixXd& e, const Eigen::VectorXd& c, Eig
 
 }  // namespace
 
-Eigen::Matrix4d LawLikelihood::information_of(const Eigen::VectorXd& theta, std::size_t k) const {
-  const Scales s = scales(theta, k);
+Eigen::Matrix4d LawLikelihood::information_of(const Eigen::VectorXd& theta, const Shape& shape, std::size_t k) const {
+  SampleBlock s;
+  s.begin = k;
+  s.n = 1;
+  const double tau = *compute_scatter(theta, shape, s).tau, b_below = s.sides.b_below[0];
   if (scatter_.kind == ScatterKind::normal) {
-    const double variance = square(s.b_below) + square(s.tau), share = square(s.b_below) / variance;
+    const double variance = square(b_below) + square(tau), share = square(b_below) / variance;
     return Eigen::Vector4d(1.0 / variance, 2.0 * share * share, 0.0, 0.0).asDiagonal();
   }
   // of the point where the exponentials join and log tau, by the parameters
   Eigen::Matrix4d by_parameters = Eigen::Matrix4d::Identity();
   if (scatter_.kind == ScatterKind::normal_laplace) {
-    const ModeOffset& peak = s.peak;
-    by_parameters.row(0) << 1.0, -s.size * (0.5 * peak.value - peak.d_asymmetry),
-        -s.size * (0.5 * peak.value + peak.d_asymmetry), -s.size * peak.d_rho;
-    by_parameters.row(3) << 0.0, 0.5 * s.normal_share, 0.5 * s.normal_share, s.normal_share;
+    const double size = s.size[0], half = 0.5 * s.peak[0], share = s.normal_share[0];
+    by_parameters.row(0) << 1.0, -size * (half - s.peak_by_asymmetry[0]), -size * (half + s.peak_by_asymmetry[0]),
+        -size * s.peak_by_rho[0];
+    by_parameters.row(3) << 0.0, 0.5 * share, 0.5 * share, share;
   } else {
     by_parameters.row(3).setZero();
   }
-  return by_parameters.transpose() * normal_laplace_information(s.b_below, s.b_above, s.tau) * by_parameters;
+  return by_parameters.transpose() * normal_laplace_information(b_below, s.sides.b_above[0], tau) * by_parameters;
 }
 
 Eigen::MatrixXd LawLikelihood::expanded(const Eigen::Matrix4d& information) const {
@@ -161,10 +154,11 @@ Eigen::MatrixXd LawLikelihood::information(const Eigen::VectorXd& theta) const {
   const std::size_t stride = information_stride();
   Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(n_parameters(), n_parameters());
   std::size_t n = 0;
+  const Shape common = shape(theta);
   Eigen::VectorXd c(n_parameters());
   for (std::size_t k = stride / 2; k < data_.size(); k += stride, ++n) {
     fill_design(theta, k, c.data());
-    add_weighted_square(expanded(information_of(theta, k)), c, sum);
+    add_weighted_square(expanded(information_of(theta, common, k)), c, sum);
   }
   sum *= static_cast<double>(data_.size()) / static_cast<double>(n);
   add_penalty_curvature(theta, sum);
@@ -173,9 +167,10 @@ Eigen::MatrixXd LawLikelihood::information(const Eigen::VectorXd& theta) const {
 
 std::vector<Eigen::MatrixXd> LawLikelihood::information_by_drop(const Eigen::VectorXd& theta) const {
   const std::size_t stride = information_stride();
+  const Shape common = shape(theta);
   std::vector<Eigen::MatrixXd> of_samples;
   for (std::size_t k = stride / 2; k < data_.size(); k += stride)
-    of_samples.push_back(expanded(information_of(theta, k)));
+    of_samples.push_back(expanded(information_of(theta, common, k)));
   const std::vector<std::vector<std::size_t>> samples = samples_by_drop(data_.drop, n_drops());
   // of n samples in M drops, n / M each: 1e4 of them all tell each drop's share, 1 / M, to 1e-4 of the whole
   constexpr std::size_t kEnough = 10000;

@@ -8,7 +8,7 @@
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/numerics.hpp"
 #include "law/law_model.hpp"
-#include "numerics/linalg.hpp"
+#include "numerics/numerics.hpp"
 
 namespace bouncelab::fit {
 namespace {
@@ -181,47 +181,30 @@ std::vector<std::size_t> numbers_of_terms(const LawFitConfig& config, std::size_
   return {3, 2, 1};
 }
 
-/// The metric of a poor start may be poor: once more from where it led.
-Maximum maximise_twice(const LawLikelihood& likelihood, const Eigen::VectorXd& start) {
-  const LogLikelihood function = [&](const Eigen::VectorXd& x, Eigen::VectorXd* g) { return likelihood(x, g); };
-  const Maximum maximum = maximise(function, start, likelihood.information(start));
-  return maximum.converged ? maximum : maximise(function, maximum.x, likelihood.information(maximum.x));
-}
-
-/// From a point that is not far from the maximum of very many samples.
-Maximum maximise_from_near(const LawLikelihood& likelihood, const Eigen::VectorXd& near) {
-  const LogLikelihood function = [&](const Eigen::VectorXd& x, Eigen::VectorXd* g) { return likelihood(x, g); };
-  const Maximum maximum = maximise_nearby(function, near, likelihood.information(near));
-  return maximum.converged ? maximum : maximise_twice(likelihood, maximum.x);
-}
-
-/// Every n-th sample of so many that a search among these first saves passes over all; absent of fewer.
+/// Every n-th of very many samples: their maximum is a few standard errors of all samples off.
 std::optional<LawData> some_of(const LawData& data) {
-  constexpr std::size_t kSome = 10000;
-  const std::size_t stride = data.size() / kSome;
+  constexpr std::size_t kEnough = 10000;
+  const std::size_t stride = data.size() / kEnough;
   return stride < 4 ? std::nullopt : std::optional(thinned(data, stride));
 }
 
 }  // namespace
 
-Eigen::VectorXd start_by_some(const LawData& data, const LawModel& model, const ScatterFamily& family) {
-  const std::optional<LawData> some = some_of(data);
-  return start_values(some ? *some : data, model, family);
-}
-
-Maximum maximise_from_some(const LawLikelihood& likelihood, const Eigen::VectorXd& start) {
-  const std::optional<LawData> some = some_of(likelihood.data());
-  if (!some) return maximise_twice(likelihood, start);
-  const Maximum near = maximise_twice(LawLikelihood(*some, likelihood.model(), likelihood.scatter()), start);
-  return near.converged ? maximise_from_near(likelihood, near.x) : maximise_twice(likelihood, start);
+Maximum find_maximum(const LawLikelihood& likelihood, Eigen::VectorXd start) {
+  if (const std::optional<LawData> some = some_of(likelihood.data()))
+    start = find_maximum(LawLikelihood(*some, likelihood.model(), likelihood.scatter()), std::move(start)).x;
+  const LogLikelihood function = [&](const Eigen::VectorXd& x, Eigen::VectorXd* g) { return likelihood(x, g); };
+  const Maximum maximum = maximise(function, start, likelihood.information(start));
+  // the metric of a poor start may be poor: once more from where it led
+  return maximum.converged ? maximum : maximise(function, maximum.x, likelihood.information(maximum.x));
 }
 
 namespace {
 
-/// @param start  of the samples themselves: the timing errors are widened by it
-/// @param near   where the search begins, if it is known better
+/// @param start  the timing errors are widened by its scales
+/// @param near   where the search begins
 Candidate fit_family(const LawData& data, const LawModel& model, const ScatterFamily& family,
-                     const Eigen::VectorXd& start, const Eigen::VectorXd* near = nullptr) {
+                     const Eigen::VectorXd& start, const Eigen::VectorXd& near) {
   Candidate candidate{family, data, {}};
   const Eigen::Index below = model.n_parameters(), above = below + static_cast<Eigen::Index>(family.n_terms);
   candidate.family.log_size = 0.5 * (start[below] + start[above]);
@@ -229,7 +212,7 @@ Candidate fit_family(const LawData& data, const LawModel& model, const ScatterFa
   widen(candidate.data, scatter_model_of(start, model.n_parameters(), family),
         std::sqrt(static_cast<double>(model.n_parameters()) / n));
   const LawLikelihood likelihood(candidate.data, model, candidate.family);
-  candidate.maximum = near ? maximise_from_near(likelihood, *near) : maximise_from_some(likelihood, start);
+  candidate.maximum = find_maximum(likelihood, near);
   candidate.bic = static_cast<double>(likelihood.n_parameters()) * log(n) - 2.0 * candidate.maximum.loglik;
   return candidate;
 }
@@ -241,63 +224,39 @@ bool is_better(const Candidate& a, const Candidate& b) {
 /// Whether the normal part is larger than the exponentials.
 bool is_large_part(const Candidate& candidate) { return candidate.maximum.x[candidate.maximum.x.size() - 1] > 0.0; }
 
-/// Whether some of very many samples already rule out a normal part as large as the exponentials: by more than six
-/// standard errors, which all of them would not reverse.
-bool surely_no_large_part(const LawData& data, const LawModel& model, const ScatterFamily& family,
-                          const Eigen::VectorXd& start) {
-  constexpr double kSixStandardErrors = 36.0;
-  const std::optional<LawData> some = some_of(data);
-  if (!some) return false;
-  const LawLikelihood likelihood(*some, model, family);
-  const Maximum best = maximise_twice(likelihood, start);
-  const Eigen::Index n_others = start.size() - 1;
-  if (!best.converged || best.x[n_others] > 0.0) return false;
-  Eigen::VectorXd as_large = best.x;
-  as_large[n_others] = 0.0;
-  const LogLikelihood of_others = [&](const Eigen::VectorXd& x, Eigen::VectorXd* gradient) {
-    as_large.head(n_others) = x;
-    const double value = likelihood(as_large, gradient);
-    if (gradient) gradient->conservativeResize(n_others);
-    return value;
-  };
-  const Eigen::MatrixXd information = likelihood.information(as_large).topLeftCorner(n_others, n_others);
-  const Maximum there = maximise(of_others, best.x.head(n_others), information);
-  return there.converged && 2.0 * (best.loglik - there.loglik) > kSixStandardErrors;
-}
-
 }  // namespace
 
 std::optional<Candidate> best_candidate(const LawData& data, const LawModel& model, const LawFitConfig& config) {
   std::optional<Candidate> best;
   const std::optional<FirstLook> look = first_look(data, model);
   if (!look) return best;
+  std::optional<ScatterKind> kind;  // whatever the widths do
+  if (const std::optional<LawData> some = some_of(data))
+    if (const auto of_some = best_candidate(*some, model, config)) kind = of_some->family.kind;
   for (const std::size_t n_terms : numbers_of_terms(config, data.size())) {
     ScatterFamily family{ScatterKind::normal_laplace, n_terms, data.v_mps[data.size() / 2], kLostShare};
-    if (best) family.kind = best->family.kind;  // whatever the widths do
+    if (best) kind = best->family.kind;
+    if (kind) family.kind = *kind;
     Eigen::VectorXd start = start_values(*look, family);
-    const bool undecided = !best && family.kind == ScatterKind::normal_laplace && data.size() >= kManySamples;
+    const bool undecided = !kind && data.size() >= kManySamples;
     if (undecided) {
       ScatterFamily exponentials = family;
       exponentials.kind = ScatterKind::asymmetric_laplace;
-      best = fit_family(data, model, exponentials, start_values(*look, exponentials));
-      if (best->maximum.converged) {
-        start = with_normal_part(best->maximum.x, family, model.n_parameters());
-        if (surely_no_large_part(data, model, family, start)) continue;
-      }
+      const Eigen::VectorXd of_exponentials = start_values(*look, exponentials);
+      best = fit_family(data, model, exponentials, of_exponentials, of_exponentials);
+      if (best->maximum.converged) start = with_normal_part(best->maximum.x, family, model.n_parameters());
     }
-    Candidate candidate = fit_family(data, model, family, start);
+    Candidate candidate = fit_family(data, model, family, start, start);
     const bool rounds_the_peak = undecided && best && best->maximum.converged && !is_large_part(candidate);
     if (!best || (is_better(candidate, *best) && !rounds_the_peak)) best = std::move(candidate);
   }
   return best;
 }
 
-std::optional<Candidate> again_without_outliers(const LawData& data, const LawModel& model, const LawFitConfig& config,
-                                                const Candidate& before) {
-  if (data.size() < kVeryMany || !before.maximum.converged) return best_candidate(data, model, config);
+std::optional<Candidate> again_without_outliers(const LawData& data, const LawModel& model, const Candidate& before) {
   const std::optional<FirstLook> look = first_look(data, model);
   if (!look) return std::nullopt;
-  return fit_family(data, model, before.family, start_values(*look, before.family), &before.maximum.x);
+  return fit_family(data, model, before.family, start_values(*look, before.family), before.maximum.x);
 }
 
 bool remove_outliers(const LawData& data, const LawModel& model, const Candidate& fit, std::vector<std::size_t>& rows,

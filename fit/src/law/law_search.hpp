@@ -9,7 +9,7 @@
 
 #include "bouncelab/fit/law_fit.hpp"
 #include "law/law_likelihood.hpp"
-#include "numerics/maximise.hpp"
+#include "numerics/numerics.hpp"
 
 namespace bouncelab::fit {
 
@@ -41,12 +41,9 @@ struct Candidate {
   double bic = HUGE_VAL;
 };
 
-/// Start values by some of very many samples, where nothing but the begin of the search depends on them.
-Eigen::VectorXd start_by_some(const LawData& data, const LawModel& model, const ScatterFamily& family);
-
-/// The maximum of very many samples is sought from that of some of them, which is a few standard errors off: most steps
-/// of a search from far off then cost a fraction of a pass.
-Maximum maximise_from_some(const LawLikelihood& likelihood, const Eigen::VectorXd& start);
+/// The maximum by a search from `start`; of very many samples from the maximum of every n-th of them, which takes a
+/// fraction of a pass over all.
+Maximum find_maximum(const LawLikelihood& likelihood, Eigen::VectorXd start);
 
 /// By BIC how the widths go with speed, and from 1000 samples on whether there is a normal part beside the
 /// exponentials. Fewer may hide one, and without it the peak would be too sure of itself; of two pure exponentials it
@@ -55,9 +52,8 @@ Maximum maximise_from_some(const LawLikelihood& likelihood, const Eigen::VectorX
 /// whether the sides differ: a test that misses a difference would bias the peak by it.
 std::optional<Candidate> best_candidate(const LawData& data, const LawModel& model, const LawFitConfig& config);
 
-/// The same family once more when outliers were set aside; of very many samples from where the search ended before.
-std::optional<Candidate> again_without_outliers(const LawData& data, const LawModel& model, const LawFitConfig& config,
-                                                const Candidate& before);
+/// The same family when outliers were set aside, from where its search ended before.
+std::optional<Candidate> again_without_outliers(const LawData& data, const LawModel& model, const Candidate& before);
 
 /// Moves samples that are lost bounces rather than scatter from `rows` to `outliers`.
 bool remove_outliers(const LawData& data, const LawModel& model, const Candidate& fit, std::vector<std::size_t>& rows,
@@ -70,10 +66,6 @@ void mark_identified(std::vector<NamedEstimate>& parameters, const LawModel& mod
 
 /// Which constants `n` impacts do not determine, with their intervals; absent where they determine all.
 std::optional<Note> not_identified(const std::vector<NamedEstimate>& parameters, std::size_t n);
-
-/// The nodes alone, with standard errors and correlations, and what these rest on.
-void describe_nodes(LawFit& fit, const LawLikelihood& likelihood, const Maximum& maximum,
-                    const std::vector<double>& node_speeds_mps);
 
 /// Turns the maximum of the likelihood into what LawFit reports: parameters with errors, nodes, curve, goodness,
 /// status.

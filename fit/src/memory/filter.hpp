@@ -2,19 +2,167 @@
 #pragma once
 
 #include <Eigen/Core>
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <utility>
 #include <vector>
 
 #include "bouncelab/core/elementary.hpp"
 #include "memory/chains.hpp"
 #include "memory/emission.hpp"
-#include "memory/first_reservoir.hpp"
 
 namespace bouncelab::fit {
+
+/// One normal distribution of a sum: of the book of energies, given one first reservoir.
+template <class T>
+struct Component {
+  T weight;
+  T book;      ///< mean [m^2/s^2]
+  T variance;  ///< [m^4/s^4]
+};
+
+/// First reservoirs that a chain is followed from.
+struct FirstNodes {
+  std::size_t tightest = 0;         ///< the impact that allows the least first reservoir
+  double scale = 0.0;               ///< mean of the first reservoir [m^2/s^2]
+  std::vector<double> above_least;  ///< first reservoirs less the least one allowed, rising [m^2/s^2]
+  /// The least one allowed less first reservoirs, rising: those that only later impacts exclude; empty where what comes
+  /// later may be known [m^2/s^2]
+  std::vector<double> below_least;
+};
+
+/// The reservoir before the first impact of a chain: exponential, and not less than the impacts allow. An impact with
+/// y = v' - e v > 0 needs a reservoir of 4 v y / (1 + e) before it, which by the book of energies is the first one less
+/// what was dissipated and given back until then.
+template <class T>
+class FirstReservoir {
+ public:
+  /// All but the parameters have to outlive it. @param height_variance  of the heights of contacts [m^2]
+  FirstReservoir(const Chain& chain, const std::vector<LawAt<T>>& law, const MemoryParameters<T>& parameters,
+                 const T& height_variance)
+      : chain_(chain), law_(law), p_(parameters), height_variance_(height_variance) {}
+
+  /// @param with_excluded  also reservoirs that later impacts exclude, as a prediction from earlier ones has to
+  FirstNodes nodes(bool with_excluded) const {
+    constexpr double kFirst = 1e-3, kLast = 25.0;  // of the mean: what lies outside weighs 1e-3 times a mean density
+    constexpr std::size_t kNodes = 27;
+    // in place of a mean that is not positive, as parameters drawn from few drops may have it: components() refuses it
+    constexpr double kLeastScale_m2ps2 = 1e-30;
+    FirstNodes nodes;
+    const double all_mean = number_of(mean());
+    nodes.scale = all_mean > kLeastScale_m2ps2 ? all_mean : kLeastScale_m2ps2;
+    double highest = -HUGE_VAL, softness = 0.0;
+    follow(chain_.impacts.size(), [&](std::size_t i, const Bound& bound) {
+      const double least = number_of(bound.least) - 4.0 * bound.softness;
+      if (least <= highest) return;
+      highest = least;
+      nodes.tightest = i;
+      softness = bound.softness;
+    });
+    const double first = std::max(kFirst * nodes.scale, 0.2 * softness);
+    const double last = kLast * nodes.scale + 10.0 * softness;
+    for (std::size_t k = 0; k < kNodes; ++k)
+      nodes.above_least.push_back(first * pow(last / first, static_cast<double>(k) / (kNodes - 1)));
+    if (with_excluded && highest > 2.0 * first && std::isfinite(highest)) {
+      const auto n = static_cast<std::size_t>(std::ceil((kNodes - 1) * log(highest / first) / log(last / first)));
+      for (std::size_t k = 0; k <= n; ++k)
+        nodes.below_least.push_back(first * pow(highest / first, static_cast<double>(k) / static_cast<double>(n)));
+    }
+    return nodes;
+  }
+
+  /// The density of the first reservoir, as a sum of those at the nodes.
+  /// @returns log of what the weights are to be multiplied by, which may be less than a double holds; not a number
+  /// where
+  ///          the mean is not positive
+  T components(const FirstNodes& nodes, std::vector<Component<T>>& components) const {
+    T least(0.0);
+    follow(nodes.tightest + 1, [&](std::size_t i, const Bound& bound) {
+      if (i == nodes.tightest)
+        least = rounded_positive<T>(bound.least - 4.0 * bound.softness, T(square(1e-3 * nodes.scale)));
+    });
+    const T all_mean = mean(), inverse_mean = 1.0 / all_mean;
+    components.clear();
+    const auto add = [&](double from_least, double width) {
+      components.push_back({T(width) * inverse_mean * exp(-from_least * inverse_mean), least + from_least, T(0.0)});
+    };
+    const std::vector<double> below = widths(nodes.below_least), above = widths(nodes.above_least);
+    for (std::size_t k = below.size(); k-- > 0;) add(-nodes.below_least[k], below[k]);
+    for (std::size_t k = 0; k < above.size(); ++k) add(nodes.above_least[k], above[k]);
+    return number_of(all_mean) > 0.0 ? T(-least * inverse_mean) : T(std::numeric_limits<double>::quiet_NaN());
+  }
+
+  /// Before each impact the least book of energies that it and later impacts allow [m^2/s^2].
+  std::vector<double> least_books() const {
+    std::vector<double> slope, offset, least;
+    follow(chain_.impacts.size(), [&](std::size_t, const Bound& bound) {
+      slope.push_back(number_of(bound.slope));
+      offset.push_back(number_of(bound.offset));
+      least.push_back(number_of(bound.least));
+    });
+    std::vector<double> books(least.size());
+    double highest = -HUGE_VAL;
+    for (std::size_t i = least.size(); i-- > 0;) {
+      highest = std::max(highest, least[i]);
+      books[i] = offset[i] + slope[i] * highest;
+    }
+    return books;
+  }
+
+ private:
+  /// What one impact says of the first reservoir.
+  struct Bound {
+    T least;
+    double softness = 0.0;  ///< standard deviation of `least`
+    T slope, offset;        ///< the reservoir before the impact is offset + slope times the first one
+  };
+
+  /// Of trapezoids in the logarithm; the first has what lies below it too.
+  static std::vector<double> widths(const std::vector<double>& nodes) {
+    std::vector<double> widths = nodes;
+    if (nodes.empty()) return widths;
+    const double step = log(nodes.back() / nodes.front()) / static_cast<double>(nodes.size() - 1);
+    for (double& w : widths) w *= step;
+    widths.front() = nodes.front() * (1.0 + 0.5 * step);
+    widths.back() *= 0.5;
+    return widths;
+  }
+
+  T mean() const { return 2.0 * p_.q * chain_.s_before + p_.release; }
+
+  /// Follows the book of energies over the first impacts; look(i, bound) at each.
+  template <class Look>
+  void follow(std::size_t n_impacts, Look&& look) const {
+    T slope(1.0), offset(0.0);
+    for (std::size_t i = 0; i < n_impacts; ++i) {
+      const ChainImpact& m = chain_.impacts[i];
+      const T& e = law_[i].eps;
+      const T y = m.v_after_mps - e * m.v_mps;
+      const double timing = m.timing_before + m.timing, height = square(m.height_mps) * number_of(height_variance_);
+      const double d_variance = timing + 2.0 * height;
+      const double y_variance = 4.0 * d_variance;
+      // 4 v y / (1 + e), where that is positive
+      const double soft_y = y_variance + square(0.1 * number_of(p_.q) * m.v_mps);
+      const T need = 4.0 * m.v_mps / (1.0 + e) * rounded_positive<T>(y, T(soft_y));
+      const double softness =
+          std::sqrt(square(2.0 * m.v_mps) * (d_variance + 4.0 * height) + square(2.0 * m.v_mps) * y_variance);
+      look(i, Bound{(need - offset) / slope, softness, slope, offset});
+      const T loss = (1.0 - e) / (1.0 + e) * square(m.v_mps + m.v_after_mps) * (1.0 + 2.0 * p_.q);
+      const T share = kept(p_, m);
+      offset = share * (offset + square(m.v_mps) - square(m.v_after_mps) - loss);
+      slope *= share;
+    }
+  }
+
+  const Chain& chain_;
+  const std::vector<LawAt<T>>& law_;
+  MemoryParameters<T> p_;
+  T height_variance_;
+};
 
 /// For each component the number of the one it is carried on in, or kDropped. Parts of one are neighbours.
 using Targets = std::vector<std::uint8_t>;
@@ -199,56 +347,50 @@ class ChainFilter {
   /// @param law            at each impact
   /// @param log_densities  of each impact given those before it, where asked for
   T loglik(const std::vector<LawAt<T>>& law, const FilterPlan& plan, std::vector<T>* log_densities = nullptr) {
-    begin(first_reservoir(law), plan.first);
-    T sum(0.0);
-    for (std::size_t i = 0; i < chain_.impacts.size(); ++i) {
-      T log_density = impact(chain_.impacts[i], law[i], nullptr);
-      if (i == 0) log_density += log_start_;
-      sum += log_density;
-      if (log_densities) log_densities->push_back(log_density);
-      if (i + 1 < chain_.impacts.size()) join(components_, plan.targets[i], joined_, parts_);
-    }
-    return sum;
+    return follow(
+        law, FirstReservoir<T>(chain_, law, p_, height_variance_), plan.first, nullptr,
+        [&](std::size_t i) -> const Targets& { return plan.targets[i]; }, log_densities);
   }
 
   /// As loglik(), and makes the plan on the way.
-  T plan(const std::vector<LawAt<T>>& law, FilterPlan& plan) { return follow(law, plan, nullptr); }
-
-  /// Probability of less at every impact, given those before it.
-  std::vector<double> transforms(const std::vector<LawAt<T>>& law) {
-    FilterPlan ignored;
-    std::vector<double> transforms;
-    follow(law, ignored, &transforms);
-    return transforms;
+  /// @param transforms  probability of less at every impact, given those before it, where asked for
+  T plan(const std::vector<LawAt<T>>& law, FilterPlan& plan, std::vector<double>* transforms = nullptr) {
+    const FirstReservoir<T> first(chain_, law, p_, height_variance_);
+    plan = {first.nodes(transforms != nullptr), {}};
+    const std::vector<double> least_books = first.least_books();
+    return follow(
+        law, first, plan.first, transforms,
+        [&](std::size_t i) -> const Targets& {
+          return plan.targets.emplace_back(targets_of(components_, least_books[i + 1]));
+        },
+        nullptr);
   }
 
  private:
-  FirstReservoir<T> first_reservoir(const std::vector<LawAt<T>>& law) const {
-    return {chain_, law, p_, height_variance_};
-  }
-
-  T follow(const std::vector<LawAt<T>>& law, FilterPlan& plan, std::vector<double>* transforms) {
-    const FirstReservoir<T> first = first_reservoir(law);
-    plan = {first.nodes(transforms != nullptr), {}};
-    begin(first, plan.first);
-    const std::vector<double> least_books = first.least_books();
-    T sum = log_start_;
+  /// @param targets  (impact) which components are one after it
+  template <class TargetsAfter>
+  T follow(const std::vector<LawAt<T>>& law, const FirstReservoir<T>& first, const FirstNodes& nodes,
+           std::vector<double>* transforms, TargetsAfter targets, std::vector<T>* log_densities) {
+    T sum(0.0), log_start = begin(first, nodes);
     for (std::size_t i = 0; i < chain_.impacts.size(); ++i) {
-      sum += impact(chain_.impacts[i], law[i], transforms);
-      if (i + 1 == chain_.impacts.size()) break;
-      plan.targets.push_back(targets_of(components_, least_books[i + 1]));
-      join(components_, plan.targets[i], joined_, parts_);
+      T log_density = impact(chain_.impacts[i], law[i], transforms);
+      if (i == 0) log_density += log_start;
+      sum += log_density;
+      if (log_densities) log_densities->push_back(log_density);
+      if (i + 1 < chain_.impacts.size()) join(components_, targets(i), joined_, parts_);
     }
     return sum;
   }
 
-  void begin(const FirstReservoir<T>& first, const FirstNodes& nodes) {
-    log_start_ = first.components(nodes, components_);
+  /// @return log of what the first weights are to be multiplied by
+  T begin(const FirstReservoir<T>& first, const FirstNodes& nodes) {
+    T log_start = first.components(nodes, components_);
     T sum(0.0);
     for (const Component<T>& c : components_) sum += c.weight;
     for (Component<T>& c : components_) c.weight *= 1.0 / sum;
-    log_start_ += log(sum);
+    log_start += log(sum);
     errors_.begin(chain_.impacts.front(), height_variance_);
+    return log_start;
   }
 
   /// Log density of what was measured at one impact; brings the state to before the next.
@@ -350,7 +492,6 @@ class ChainFilter {
   const Chain& chain_;
   MemoryParameters<T> p_;
   T height_variance_;  ///< of the height of contacts [m^2]
-  T log_start_;        ///< log of what the first weights are to be multiplied by
   std::vector<Component<T>> components_, joined_;
   std::vector<const Component<T>*> parts_;
   std::vector<Emission<T>> emissions_;

@@ -222,7 +222,10 @@ double MemoryLikelihood::anew(const Eigen::VectorXd& theta) const {
 std::vector<double> MemoryLikelihood::transforms(const Eigen::VectorXd& theta) const {
   std::vector<std::vector<double>> by_chain(chains_.chains.size());
   const MemoryParameters<double> p = parameters(theta);
-  parallel_for(by_chain.size(), 0, [&](std::size_t c) { by_chain[c] = filter(c, p).transforms(law_values(c, theta)); });
+  parallel_for(by_chain.size(), 0, [&](std::size_t c) {
+    FilterPlan ignored;
+    filter(c, p).plan(law_values(c, theta), ignored, &by_chain[c]);
+  });
   std::vector<double> all;
   for (const std::vector<double>& one : by_chain) all.insert(all.end(), one.begin(), one.end());
   return all;

@@ -12,9 +12,7 @@
 #include "bouncelab/core/restitution_with_memory.hpp"
 #include "law/goodness.hpp"
 #include "law/intervals.hpp"
-#include "numerics/distributions.hpp"
-#include "numerics/linalg.hpp"
-#include "numerics/maximise.hpp"
+#include "numerics/numerics.hpp"
 
 namespace bouncelab::fit {
 namespace {

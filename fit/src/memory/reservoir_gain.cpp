@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "bouncelab/fit/reservoir_gain.hpp"
+#include "bouncelab/fit/memory_fit.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -2,7 +2,6 @@
 // What the results of many recordings, of samples and studies are called and what they are, key by key (docs/formats.md
 // is made of these texts).
 #include "bouncelab/fit/between_recordings.hpp"
-#include "bouncelab/fit/group_differences.hpp"
 #include "bouncelab/fit/restitution.hpp"
 #include "results/parts.hpp"
 

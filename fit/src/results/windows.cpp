@@ -25,20 +25,17 @@ Object as_columns(const std::vector<CurvePoint>& curve, const std::string& x, co
 Description members_of(const ShapeFit*) {
   using S = ShapeFit;
   static constexpr Member all[]{
-      member<&S::shape>(
-          "shape",
-          "`two_exponentials` (`peak_eps`, `slope_rising`, `slope_falling`), `normal` (`mean`, `sd`), `gumbel` "
-          "(`mode`, `scale`) "
-          "or `student_t` (`location`, `scale`, `nu`)"),
+      member<&S::shape>("shape",
+                        "`two_exponentials` (`peak_eps`, `slope_rising`, `slope_falling`) or `normal` (`mean`, `sd`)"),
       member<&S::status>("status", "How its fit ended"),
       computed(
           "parameters", [](const S& s) { return by_name(s.parameters); }, "An estimate each, by name"),
-      member<&S::loglik>("loglik", "Log-likelihood of the counts"),
+      member<&S::loglik>("loglik", "Log-likelihood"),
       member<&S::delta_aic>("delta_aic", "AIC less that of the two exponentials"),
-      member<&S::chi2>("chi2", "Pearson's test"),
+      member<&S::chi2>("chi2", "Pearson's test in bins of equal probability"),
       member<&S::ndf>("ndf", "Its degrees of freedom"),
       member<&S::p_value>("p_value", "Its p"),
-      member<&S::expected>("expected", "Counts that it expects")};
+      member<&S::expected>("expected", "Counts that it expects in the bins")};
   return all;
 }
 
@@ -68,7 +65,7 @@ Description members_of(const HistogramFit*) {
       computed(
           "curve", [](const H& h) { return as_columns(h.curve, "eps", "density"); },
           "`eps`, `density`: the fitted density with the timing errors"),
-      member<&H::shapes>("shapes", "Shapes fitted to the counts, see below")};
+      member<&H::shapes>("shapes", "The two exponentials and a normal, fitted to the same samples, see below")};
   return all;
 }
 

@@ -1,20 +1,175 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bouncelab/fit/histogram_fit.hpp"
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <utility>
+#include <vector>
 
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/parallel.hpp"
 #include "law/goodness.hpp"
+#include "law/intervals.hpp"
 #include "law/law_likelihood.hpp"
 #include "law/law_model.hpp"
-#include "numerics/distributions.hpp"
-#include "windows/window_fit.hpp"
+#include "law/law_search.hpp"
+#include "numerics/numerics.hpp"
 
 namespace bouncelab::fit {
 namespace {
+
+/// Error of one quantity of a window, or of its logarithm.
+struct QuantityError {
+  double se = 0.0;
+  std::optional<double> se_independent;  ///< where se is by drop
+  Interval offset68, offset95;           ///< ends of the intervals less the estimate
+};
+
+/// One density for all samples of a window, unbinned: theta = (location, log b_below, log b_above), or (location, log
+/// b) where the sides are equal or the density is normal.
+struct WindowFit {
+  ScatterKind kind = ScatterKind::asymmetric_laplace;
+  Maximum maximum;
+  Eigen::VectorXd se;  ///< of theta, of independent samples
+  DropCount drops;
+  /// Of peak, log b_below, log b_above, log(b_below / b_above); two-sided densities only. By drop where there are
+  /// enough drops, the law by which samples were moved to the centre taken as known.
+  std::vector<QuantityError> errors;
+};
+
+/// Estimate of value whose error is that of sign * log(value): intervals are not symmetric.
+Estimate exponential_estimate(double log_value, const QuantityError& error, double sign) {
+  const double value = exp(log_value);
+  Estimate e = normal_estimate(value, value * error.se);
+  if (error.se_independent) e.se_independent = value * *error.se_independent;
+  const auto through = [&](const Interval& offset) {
+    const double a = value * exp(sign * offset.lo), b = value * exp(sign * offset.hi);
+    return Interval{std::min(a, b), std::max(a, b)};
+  };
+  e.ci68 = through(error.offset68);
+  e.ci95 = through(error.offset95);
+  return e;
+}
+
+/// Of direction . theta.
+QuantityError quantity_error(const LogLikelihood& function, const WindowFit& fit, const Eigen::MatrixXd& white,
+                             const std::optional<ErrorsByDrop>& by_drop, const Eigen::VectorXd& direction) {
+  QuantityError error;
+  error.se = transposed_product(white, direction).norm();
+  ProfileLevels reach, levels;
+  if (by_drop) {
+    error.se_independent = error.se;
+    error.se = by_drop->standard_error(direction);
+    reach = by_drop->reach();
+    levels = by_drop->profile_levels_of(direction, white);
+  }
+  error.offset68 = {-reach.z68 * error.se, reach.z68 * error.se};
+  error.offset95 = {-reach.z95 * error.se, reach.z95 * error.se};
+  if (!fit.maximum.converged) return error;
+  const Eigen::MatrixXd* const curvature = by_drop ? &by_drop->curvature : nullptr;
+  if (const auto profile = profile_intervals(function, fit.maximum, white, direction, levels, curvature)) {
+    error.offset68 = profile->offset68;
+    error.offset95 = profile->offset95;
+  }
+  return error;
+}
+
+/// @param data  at least 5 samples
+WindowFit fit_window(const LawData& original, ScatterKind kind) {
+  const LawModel constant = make_law_model(LawKind::constant, {}, original.v_mps);
+  const ScatterFamily family{kind, 1, original.v_mps.front()};
+  LawData data = original;
+  const Eigen::VectorXd start = start_values(original, constant, family);
+  if (kind != ScatterKind::normal)
+    widen(data, scatter_model_of(start, constant.n_parameters(), family),
+          1.0 / std::sqrt(static_cast<double>(original.size())));
+  const LawLikelihood likelihood(data, constant, family);
+  const LogLikelihood function = [&](const Eigen::VectorXd& x, Eigen::VectorXd* g) { return likelihood(x, g); };
+  WindowFit fit{kind, maximise(function, start, likelihood.information(start)), {}, {}, {}};
+  const Eigen::MatrixXd white = whitening(likelihood.information(fit.maximum.x), 1e-10);
+  fit.se = gram(white).diagonal().cwiseSqrt();
+  if (kind != ScatterKind::asymmetric_laplace) return fit;
+  const auto by_drop = errors_by_drop(likelihood, fit.maximum.x, white);
+  fit.drops = {likelihood.n_drops(), by_drop ? ErrorBasis::by_drop : ErrorBasis::independent_samples};
+  for (const Eigen::Vector3d& direction :
+       {Eigen::Vector3d(1, 0, 0), Eigen::Vector3d(0, 1, 0), Eigen::Vector3d(0, 0, 1), Eigen::Vector3d(0, 1, -1)})
+    fit.errors.push_back(quantity_error(function, fit, white, by_drop, direction));
+  return fit;
+}
+
+Estimate peak_estimate(const WindowFit& fit) {
+  const QuantityError& error = fit.errors[0];
+  Estimate e = normal_estimate(fit.maximum.x[0], error.se);
+  e.se_independent = error.se_independent;
+  e.ci68 = {e.value + error.offset68.lo, e.value + error.offset68.hi};
+  e.ci95 = {e.value + error.offset95.lo, e.value + error.offset95.hi};
+  return e;
+}
+
+/// @param side  1: rising, 2: falling
+Estimate slope_estimate(const WindowFit& fit, Eigen::Index side) {
+  constexpr double kKnownToAFactor2 = 0.35;  // standard error of log b
+  const QuantityError& error = fit.errors[static_cast<std::size_t>(side)];
+  Estimate e = exponential_estimate(-fit.maximum.x[side], error, -1.0);
+  // where the prior on the ratio of the sides decides, drops agree with each other
+  e.identified = std::max(error.se, error.se_independent.value_or(0.0)) < kKnownToAFactor2;
+  return e;
+}
+
+Estimate slope_ratio_estimate(const WindowFit& fit) {
+  return exponential_estimate(fit.maximum.x[1] - fit.maximum.x[2], fit.errors[3], 1.0);
+}
+
+/// Distribution function of a fit at each sample, with the sample's own timing error.
+std::vector<double> probabilities_below(const LawData& data, const WindowFit& fit) {
+  const LawModel constant = make_law_model(LawKind::constant, {}, data.v_mps);
+  const ScatterFamily family{fit.kind, 1, data.v_mps.front()};
+  return LawLikelihood(data, constant, family).probabilities_below(fit.maximum.x);
+}
+
+/// The density expected of the window's samples, the mean over their timing errors, from the first edge to the last:
+/// each edge is a point, and between two lie an odd number, so that the middle of each bin is one. Of two-sided
+/// densities and the normal.
+std::vector<CurvePoint> density_curve(const LawData& data, const WindowFit& fit, const Bins& bins) {
+  const Eigen::VectorXd& theta = fit.maximum.x;
+  const bool is_normal = fit.kind == ScatterKind::normal;
+  constexpr std::size_t kMostBins = 80;  // 161 points or more, so that the picture is smooth
+  const std::size_t n_bins = bins.counts.size(),
+                    n_points = 1 + 2 * n_bins * std::max<std::size_t>(1, kMostBins / n_bins);
+  std::vector<double> sorted = data.tau;
+  std::sort(sorted.begin(), sorted.end());
+  const std::size_t n_taus = std::min(kBlockSize, sorted.size());
+  SidesBlock sides;
+  sides.fill(exp(theta[1]), exp(theta[is_normal ? 1 : 2]));
+  Block tau, inverse_tau;
+  for (std::size_t j = 0; j < n_taus; ++j) {
+    tau[j] = sorted[(2 * j + 1) * sorted.size() / (2 * n_taus)];
+    inverse_tau[j] = 1.0 / tau[j];
+  }
+  std::vector<CurvePoint> curve;
+  for (std::size_t k = 0; k < n_points; ++k) {
+    const double eps = bins.eps_edges.front() + (bins.eps_edges.back() - bins.eps_edges.front()) *
+                                                    static_cast<double>(k) / static_cast<double>(n_points - 1);
+    double sum = 0.0;
+    if (is_normal) {
+      for (std::size_t j = 0; j < n_taus; ++j) {
+        const double variance = square(exp(theta[1])) + square(tau[j]);
+        sum += exp(-0.5 * square(eps - theta[0]) / variance) / std::sqrt(2.0 * kPi * variance);
+      }
+    } else {
+      Block d;
+      d.fill(eps - theta[0]);
+      DensityBlock f;
+      normal_laplace(n_taus, d.data(), sides, tau.data(), inverse_tau.data(), 0.0, f);
+      for (std::size_t j = 0; j < n_taus; ++j) sum += f.factor[j] * exp(f.exponent[j]);
+    }
+    curve.push_back({eps, sum / static_cast<double>(n_taus), std::nullopt});
+  }
+  return curve;
+}
 
 constexpr double kResolution = 1e-8;  // of eps, as in the law's fit
 
@@ -86,8 +241,36 @@ Bins bins_of(std::vector<double> eps) {
   return bins;
 }
 
+/// Mean of a density over the k-th bin, by trapezoids.
+double mean_in_bin(const std::vector<CurvePoint>& density, std::size_t n_bins, std::size_t k) {
+  const std::size_t n = (density.size() - 1) / n_bins;
+  double sum = 0.5 * (density[k * n].y + density[(k + 1) * n].y);
+  for (std::size_t j = 1; j < n; ++j) sum += density[k * n + j].y;
+  return sum / static_cast<double>(n);
+}
+
+/// What a fit says of the bins. @param density  as density_curve() has it
+ShapeFit shape_of(DensityShape shape, const WindowFit& fit, std::vector<NamedEstimate> parameters, const LawData& data,
+                  const Bins& bins, const std::vector<CurvePoint>& density) {
+  ShapeFit result;
+  result.shape = shape;
+  result.status = fit.maximum.converged ? FitStatus::ok : FitStatus::not_converged;
+  result.parameters = std::move(parameters);
+  result.loglik = fit.maximum.loglik;
+  if (const auto chi2 = pearson_chi2(probabilities_below(data, fit), result.parameters.size(), 1)) {
+    result.chi2 = chi2->chi2;
+    result.ndf = chi2->ndf;
+    result.p_value = chi2->p_value;
+  }
+  for (std::size_t k = 0; k < bins.counts.size(); ++k)
+    result.expected.push_back(static_cast<double>(data.size()) * (bins.eps_edges[k + 1] - bins.eps_edges[k]) *
+                              mean_in_bin(density, bins.counts.size(), k));
+  return result;
+}
+
+double aic_of(const ShapeFit& fit) { return 2.0 * static_cast<double>(fit.parameters.size()) - 2.0 * fit.loglik; }
+
 void fit_two_exponentials(HistogramFit& result, const LawData& data, const WindowFit& fit) {
-  const Eigen::VectorXd& theta = fit.maximum.x;
   result.status = fit.maximum.converged ? FitStatus::ok : FitStatus::not_converged;
   result.drops = fit.drops;
   result.peak_eps = peak_estimate(fit);
@@ -97,28 +280,35 @@ void fit_two_exponentials(HistogramFit& result, const LawData& data, const Windo
   if ((!result.slope_rising->identified || !result.slope_falling->identified) && fit.maximum.converged)
     result.status = FitStatus::not_identifiable;  // the scatter is narrower than the timing error
   result.loglik = fit.maximum.loglik;
-  if (const auto chi2 = pearson_chi2(probabilities_below(data, theta), 3, 1)) {
-    result.chi2 = chi2->chi2;
-    result.ndf = chi2->ndf;
-    result.p_value = chi2->p_value;
-  }
-  result.curve = density_curve(data, theta, result.bins);
+  result.curve = density_curve(data, fit, result.bins);
+  result.shapes = {shape_of(DensityShape::two_exponentials, fit,
+                            {{"peak_eps", *result.peak_eps},
+                             {"slope_rising", *result.slope_rising},
+                             {"slope_falling", *result.slope_falling}},
+                            data, result.bins, result.curve)};
+  result.chi2 = result.shapes.front().chi2;
+  result.ndf = result.shapes.front().ndf;
+  result.p_value = result.shapes.front().p_value;
 }
 
 void compare_with_other_densities(HistogramFit& result, const LawData& data, const WindowFit& fit) {
   if (!fit.maximum.converged) return;
   const WindowFit normal = fit_window(data, ScatterKind::normal);
-  if (normal.maximum.converged)
-    result.delta_aic_gaussian = 2.0 * (2.0 - normal.maximum.loglik) - 2.0 * (3.0 - fit.maximum.loglik);
+  const double sd = exp(normal.maximum.x[1]);
+  ShapeFit shape = shape_of(
+      DensityShape::normal, normal,
+      {{"mean", normal_estimate(normal.maximum.x[0], normal.se[0])}, {"sd", normal_estimate(sd, sd * normal.se[1])}},
+      data, result.bins, density_curve(data, normal, result.bins));
+  shape.delta_aic = aic_of(shape) - aic_of(result.shapes.front());
+  if (normal.maximum.converged) result.delta_aic_gaussian = shape.delta_aic;
+  result.shapes.push_back(std::move(shape));
   const WindowFit symmetric = fit_window(data, ScatterKind::symmetric_laplace);
-  if (symmetric.maximum.converged) {
-    // twice the fall along the ratio of the sides is that of independent samples
-    const QuantityError& ratio = fit.errors[3];
-    const double share = ratio.se_independent ? square(*ratio.se_independent / ratio.se) : 1.0;
-    result.p_equal_slopes =
-        chi2_survival(share * std::max(0.0, 2.0 * (fit.maximum.loglik - symmetric.maximum.loglik)), 1.0);
-  }
-  result.shapes = fit_shapes(result.bins, data.tau, {fit.maximum.x[0], exp(fit.maximum.x[1]), exp(fit.maximum.x[2])});
+  if (!symmetric.maximum.converged) return;
+  // twice the fall along the ratio of the sides is that of independent samples
+  const QuantityError& ratio = fit.errors[3];
+  const double share = ratio.se_independent ? square(*ratio.se_independent / ratio.se) : 1.0;
+  result.p_equal_slopes =
+      chi2_survival(share * std::max(0.0, 2.0 * (fit.maximum.loglik - symmetric.maximum.loglik)), 1.0);
 }
 
 HistogramFit fit_histogram(const SamplesWithSpeeds& samples, double centre, double width, std::size_t n_min,
@@ -168,17 +358,7 @@ std::optional<bool> slopes_differ(const HistogramFit& h) {
 }
 
 const char* to_string(DensityShape shape) {
-  switch (shape) {
-    case DensityShape::two_exponentials:
-      return "two_exponentials";
-    case DensityShape::normal:
-      return "normal";
-    case DensityShape::gumbel:
-      return "gumbel";
-    case DensityShape::student_t:
-      return "student_t";
-  }
-  return "unknown";
+  return shape == DensityShape::two_exponentials ? "two_exponentials" : "normal";
 }
 
 std::vector<HistogramFit> fit_histograms(const RestitutionSamples& samples, const HistogramConfig& config,
@@ -214,19 +394,6 @@ const RowColumns<HistogramBin>& columns_of(const HistogramBin*) {
   return all;
 }
 
-namespace {
-
-/// Mean of the curve over the k-th bin, by trapezoids.
-std::optional<double> fitted_in_bin(const HistogramFit& h, std::size_t k) {
-  if (h.curve.empty()) return std::nullopt;
-  const std::size_t n = (h.curve.size() - 1) / h.bins.counts.size();
-  double sum = 0.5 * (h.curve[k * n].y + h.curve[(k + 1) * n].y);
-  for (std::size_t j = 1; j < n; ++j) sum += h.curve[k * n + j].y;
-  return sum / static_cast<double>(n);
-}
-
-}  // namespace
-
 Table histogram_table(const std::vector<HistogramFit>& histograms) {
   std::vector<HistogramBin> rows;
   for (const HistogramFit& h : histograms)
@@ -234,7 +401,8 @@ Table histogram_table(const std::vector<HistogramFit>& histograms) {
       const double lo = h.bins.eps_edges[k], hi = h.bins.eps_edges[k + 1];
       const auto count = static_cast<double>(h.bins.counts[k]), unit = static_cast<double>(h.n) * (hi - lo);
       rows.push_back({h.v_mps, h.v_lo_mps, h.v_hi_mps, lo, hi, static_cast<std::int64_t>(h.bins.counts[k]),
-                      count / unit, std::sqrt(count) / unit, fitted_in_bin(h, k)});
+                      count / unit, std::sqrt(count) / unit,
+                      h.curve.empty() ? std::nullopt : std::optional(mean_in_bin(h.curve, h.bins.counts.size(), k))});
     }
   return table_of<HistogramBin>(columns_of(rows.data()), rows);
 }

@@ -9,7 +9,6 @@
 #include <numbers>
 #include <optional>
 #include <span>
-#include <sstream>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -144,12 +143,9 @@ Drop::Drop(const SimulationConfig& config, const Envelope& envelope, std::int64_
       gravity_mps2_(gravity(config)),
       number_(number),
       state_(release(config, number)) {
-  if (!(state_.clearance_m > envelope.max_elevation() * config.ball.radius_m)) {
-    std::ostringstream out;
-    out << "drop height = " << state_.clearance_m
-        << " is outside its range: above the highest asperity; a lower start is inside the plate";
-    throw InvalidArgument(out.str());
-  }
+  if (!(state_.clearance_m > envelope.max_elevation() * config.ball.radius_m))
+    throw InvalidArgument("drop height = " + short_number(state_.clearance_m) +
+                          " is outside its range: above the highest asperity; a lower start is inside the plate");
   result_.energy.released_j = energy_j(config, state_);
 }
 

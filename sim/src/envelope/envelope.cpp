@@ -5,10 +5,7 @@
 #include <mutex>
 #include <utility>
 
-#include "envelope/arena.hpp"
 #include "envelope/cube_cell.hpp"
-#include "envelope/floor_map.hpp"
-#include "envelope/leaf_search.hpp"
 #include "envelope/patch_builder.hpp"
 
 namespace bouncelab::sim {
@@ -98,12 +95,6 @@ Envelope::Support Envelope::support(Vector3 n) const {
     if (elevation > support.elevation) support = {elevation, leaf.asperities[k]};
   }
   return support;
-}
-
-std::int64_t Envelope::n_sites() const {
-  std::int64_t n = 0;
-  for (const Patch& patch : patches_) n += static_cast<std::int64_t>(patch.sites.size());
-  return n;
 }
 
 std::int64_t Envelope::n_bytes() const {

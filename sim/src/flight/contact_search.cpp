@@ -12,13 +12,13 @@
 namespace bouncelab::sim {
 namespace {
 
-using Node = DraggedPath::Node;
+using PathNode = DraggedPath::Node;
 
 /// Shortest step: at the summit itself.
 constexpr double kShortestStep_s = 1e-7;
 
 template <class Acceleration>
-Node stepped(const Node& from, double h, const Acceleration& acceleration) {
+PathNode stepped(const PathNode& from, double h, const Acceleration& acceleration) {
   const Vector3 v1 = from.velocity_mps, a1 = from.acceleration_mps2;
   const Vector3 v2 = v1 + (0.5 * h) * a1, a2 = acceleration(v2);
   const Vector3 v3 = v1 + (0.5 * h) * a2, a3 = acceleration(v3);
@@ -29,7 +29,7 @@ Node stepped(const Node& from, double h, const Acceleration& acceleration) {
 }
 
 /// Quintic Hermite interpolation between two nodes, and its derivative.
-Node between(const Node& p, const Node& q, double t) {
+PathNode between(const PathNode& p, const PathNode& q, double t) {
   const double h = q.t_s - p.t_s, s = (t - p.t_s) / h;
   // in powers of s: x = x0 + h v0 s + h^2 a0 s^2/2 + c3 s^3 + c4 s^4 + c5 s^5
   const Vector3 rest = q.place_m - p.place_m - h * p.velocity_mps - (0.5 * h * h) * p.acceleration_mps2;

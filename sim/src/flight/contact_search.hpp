@@ -12,7 +12,7 @@
 #include "bouncelab/sim/envelope.hpp"
 #include "bouncelab/sim/flight.hpp"
 #include "bouncelab/sim/vector3.hpp"
-#include "envelope/leaf_search.hpp"
+#include "envelope/cube_cell.hpp"
 
 namespace bouncelab::sim {
 

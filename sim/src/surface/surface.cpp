@@ -94,11 +94,8 @@ std::string to_text(const RadiusLaw& law) {
   RadiusLaw copy = law;
   const SurfaceText description = std::visit([](auto& l) { return describe(l); }, copy);
   std::string text = description.name;
-  char buffer[32];
-  for (std::size_t k = 0; k < description.parameters.size(); ++k) {
-    const auto end = bouncelab::to_chars(buffer, buffer + sizeof buffer, *description.parameters[k]).ptr;
-    text += (k == 0 ? ':' : ',') + std::string(buffer, end);
-  }
+  for (std::size_t k = 0; k < description.parameters.size(); ++k)
+    text += (k == 0 ? ':' : ',') + number_text(*description.parameters[k]);
   return text;
 }
 

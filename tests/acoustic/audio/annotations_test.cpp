@@ -13,7 +13,7 @@
 #include <span>
 #include <string>
 
-#include "bouncelab/audio/audio_writer.hpp"
+#include "bouncelab/audio/sound_file.hpp"
 #include "bouncelab/core/onsets.hpp"
 #include "support/refusal.hpp"
 #include "support/temporary_folder.hpp"
@@ -264,6 +264,12 @@ class Cues : public testing::Test {
     sf_read_double(file, x.data(), info.frames);
     sf_close(file);
     return x;
+  }
+  static void copy_with_cues(const fs::path& recording, const Annotations& annotations, const fs::path& out,
+                             const std::string& name) {
+    std::ofstream file(out, std::ios::binary);
+    audio::copy_with_cues(
+        recording, annotations, [&](std::string_view bytes) { file << bytes; }, name);
   }
   test::TemporaryFolder folder_;
 };

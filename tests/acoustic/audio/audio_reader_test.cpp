@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "bouncelab/audio/audio_reader.hpp"
+#include "bouncelab/audio/sound_file.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -16,11 +16,10 @@
 #include <utility>
 #include <vector>
 
-#include "bouncelab/audio/audio_writer.hpp"
-#include "bouncelab/core/child_process.hpp"
 #include "bouncelab/core/error.hpp"
+#include "bouncelab/core/files.hpp"
 #include "bouncelab/core/parallel.hpp"
-#include "io/sound_decoder.hpp"
+#include "io/sound_header.hpp"
 #include "support/places.hpp"
 #include "support/refusal.hpp"
 #include "support/temporary_folder.hpp"

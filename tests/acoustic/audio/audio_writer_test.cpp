@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "bouncelab/audio/audio_writer.hpp"
+#include "bouncelab/audio/sound_file.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,7 +10,6 @@
 #include <string>
 #include <vector>
 
-#include "bouncelab/audio/audio_reader.hpp"
 #include "bouncelab/core/error.hpp"
 #include "support/refusal.hpp"
 #include "support/temporary_folder.hpp"

@@ -9,9 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "bouncelab/audio/audio_reader.hpp"
-#include "bouncelab/audio/audio_writer.hpp"
-#include "bouncelab/core/child_process.hpp"
+#include "bouncelab/audio/sound_file.hpp"
+#include "bouncelab/core/files.hpp"
 #include "bouncelab/core/parallel.hpp"
 #include "support/bouncing_sound.hpp"
 #include "support/places.hpp"

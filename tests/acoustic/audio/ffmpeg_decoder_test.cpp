@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
-#include "bouncelab/audio/audio_reader.hpp"
-#include "bouncelab/core/child_process.hpp"
+#include "bouncelab/audio/sound_file.hpp"
 #include "bouncelab/core/error.hpp"
+#include "bouncelab/core/files.hpp"
 #include "support/refusal.hpp"
 #include "support/temporary_folder.hpp"
 

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "bouncelab/audio/audio_reader.hpp"
+#include "bouncelab/audio/sound_file.hpp"
 #include "support/refusal.hpp"
 #include "support/temporary_folder.hpp"
 

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "bouncelab/audio/audio_reader.hpp"
+#include "bouncelab/audio/sound_file.hpp"
 #include "bouncelab/core/error.hpp"
 #include "support/temporary_folder.hpp"
 
@@ -29,18 +29,15 @@ struct Container {
   int format;
   std::string chunk;    // in front of the length
   int offset, n_bytes;  // of the length, from the chunk's name
-  bool is_big_endian;
-  std::uint64_t more;  // that is counted beside the samples
+  std::uint64_t more;   // that is counted beside the samples
 };
 
 const std::vector<Container> kContainers{
-    {"wav", SF_FORMAT_WAV | SF_FORMAT_PCM_16, "data", 4, 4, false, 0},
-    {"extensible wav", SF_FORMAT_WAVEX | SF_FORMAT_PCM_24, "data", 4, 4, false, 0},
-    {"float wav", SF_FORMAT_WAV | SF_FORMAT_FLOAT, "data", 4, 4, false, 0},
-    {"rf64", SF_FORMAT_RF64 | SF_FORMAT_PCM_16, "ds64", 16, 8, false, 0},
-    {"w64", SF_FORMAT_W64 | SF_FORMAT_PCM_16, "data", 16, 8, false, 24},
-    {"aiff", SF_FORMAT_AIFF | SF_FORMAT_PCM_16, "SSND", 4, 4, true, 8},
-    {"au", SF_FORMAT_AU | SF_FORMAT_PCM_16, ".snd", 8, 4, true, 0},
+    {"wav", SF_FORMAT_WAV | SF_FORMAT_PCM_16, "data", 4, 4, 0},
+    {"extensible wav", SF_FORMAT_WAVEX | SF_FORMAT_PCM_24, "data", 4, 4, 0},
+    {"float wav", SF_FORMAT_WAV | SF_FORMAT_FLOAT, "data", 4, 4, 0},
+    {"rf64", SF_FORMAT_RF64 | SF_FORMAT_PCM_16, "ds64", 16, 8, 0},
+    {"w64", SF_FORMAT_W64 | SF_FORMAT_PCM_16, "data", 16, 8, 24},
 };
 
 /// Stereo; no sample is that of another place, so that one that was read from a wrong place is seen.
@@ -68,7 +65,7 @@ class WrongHeader : public ::testing::Test {
     const auto n = static_cast<std::size_t>(c.n_bytes);
     if (!write) length = 0;
     for (std::size_t k = 0; k < n; ++k) {
-      const std::size_t place = at + (c.is_big_endian ? k : n - 1 - k);
+      const std::size_t place = at + n - 1 - k;
       const std::size_t shift = 8 * (n - 1 - k);
       if (write)
         bytes[place] = static_cast<char>(length >> shift & 0xFF);
@@ -138,7 +135,6 @@ TEST_F(WrongHeader, NoLengthAtAll) {
   for (const Container& c : kContainers) {
     const std::uint64_t all = c.n_bytes == 8 ? ~std::uint64_t{0} : 0xFFFFFFFF;
     for (const std::uint64_t length : {std::uint64_t{0}, all, all >> 1}) {
-      if (c.name == "au" && length == 0) continue;  // is an empty file, which libsndfile refuses
       SCOPED_TRACE(c.name);
       std::string bytes = written(c);
       promise(bytes, c, length);
@@ -151,7 +147,6 @@ TEST_F(WrongHeader, NoLengthAtAll) {
 
 TEST_F(WrongHeader, HalfOfWhatIsThereIsPromised) {
   for (const Container& c : kContainers) {
-    if (c.name == "au") continue;  // has no chunks: what follows its samples may be anything
     SCOPED_TRACE(c.name);
     std::string bytes = written(c);
     promise(bytes, c, promised(bytes, c) / 2 + c.more);
@@ -182,7 +177,7 @@ TEST_F(WrongHeader, AnEmptyChunkOfSamplesBeforeAnotherIsEmpty) {
 }
 
 TEST_F(WrongHeader, OfCodedSamplesToo) {
-  const Container adpcm{"adpcm", SF_FORMAT_WAV | SF_FORMAT_IMA_ADPCM, "data", 4, 4, false, 0};
+  const Container adpcm{"adpcm", SF_FORMAT_WAV | SF_FORMAT_IMA_ADPCM, "data", 4, 4, 0};
   const std::string whole = written(adpcm);
   const std::int64_t n = reader_of(whole).format().n_frames;  // of whole blocks
   for (const std::uint64_t length : {0, 1'000, 1'000'000}) {
@@ -195,7 +190,7 @@ TEST_F(WrongHeader, OfCodedSamplesToo) {
 }
 
 TEST_F(WrongHeader, AFlacThatIsCutOffIsReadUpToThere) {
-  std::string bytes = written({"flac", SF_FORMAT_FLAC | SF_FORMAT_PCM_16, "fLaC", 0, 0, false, 0});
+  std::string bytes = written({"flac", SF_FORMAT_FLAC | SF_FORMAT_PCM_16, "fLaC", 0, 0, 0});
   bytes.resize(bytes.size() * 2 / 3);
   AudioReader reader = reader_of(bytes);
   EXPECT_THAT(reader.format().warning, AllOf(HasSubstr("promises 12000 samples"), HasSubstr("is it cut off?")));
@@ -204,7 +199,7 @@ TEST_F(WrongHeader, AFlacThatIsCutOffIsReadUpToThere) {
 }
 
 TEST_F(WrongHeader, OggInAWavFileIsFound) {
-  const std::string ogg = written({"ogg", SF_FORMAT_OGG | SF_FORMAT_VORBIS, "OggS", 0, 0, false, 0});
+  const std::string ogg = written({"ogg", SF_FORMAT_OGG | SF_FORMAT_VORBIS, "OggS", 0, 0, 0});
   const auto number = [](std::uint32_t value, std::size_t n) {
     std::string text;
     for (; n > 0; --n, value >>= 8) text += static_cast<char>(value & 0xFF);

@@ -10,7 +10,6 @@
 
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/random.hpp"
-#include "candidates/band_energies.hpp"
 #include "candidates/candidates.hpp"
 #include "tracking/hypothesis.hpp"
 

@@ -7,11 +7,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "bouncelab/audio/audio_reader.hpp"
-#include "candidates/band_energies.hpp"
-#include "candidates/innovation_energy.hpp"
+#include "bouncelab/audio/sound_file.hpp"
 #include "support/modal_sound.hpp"
-#include "whitening/linear_prediction.hpp"
+#include "whitening/whitening.hpp"
 
 namespace bouncelab::detection {
 namespace {

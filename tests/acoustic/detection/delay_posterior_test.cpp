@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "delay/delay_posterior.hpp"
+#include "delay/track_timer.hpp"
 
 #include <gtest/gtest.h>
 

@@ -152,8 +152,6 @@ TEST(ImpactOdds, DropsOfFewerImpactsThanAskedForAreLeftOutAndTheOthersNumberedAn
   const Detection none = detect(sound, ball.rate_hz, "none", config);
   EXPECT_EQ(none.status, DetectionStatus::too_few_impacts);
   EXPECT_FALSE(none.summary.contact_time_sigma_s.has_value());
-  config.min_impacts = 2;
-  EXPECT_THROW(detect(sound, ball.rate_hz, "bad", config), InvalidArgument);
 }
 
 }  // namespace

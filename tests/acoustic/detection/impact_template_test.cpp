@@ -6,11 +6,11 @@
 #include <cmath>
 #include <vector>
 
-#include "bouncelab/audio/audio_reader.hpp"
+#include "bouncelab/audio/sound_file.hpp"
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/random.hpp"
 #include "support/modal_sound.hpp"
-#include "whitening/linear_prediction.hpp"
+#include "whitening/whitening.hpp"
 
 namespace bouncelab::detection {
 namespace {

@@ -9,17 +9,14 @@
 #include <span>
 #include <vector>
 
-#include "bouncelab/audio/dsp/kernels.hpp"
-#include "bouncelab/audio/dsp/real_fft.hpp"
+#include "bouncelab/audio/dsp.hpp"
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/random.hpp"
 #include "bouncelab/detection/detect.hpp"
 #include "support/modal_sound.hpp"
 #include "template/impact_template.hpp"
-#include "template/template_model.hpp"
-#include "template/template_search.hpp"
-#include "whitening/linear_prediction.hpp"
-#include "whitening/white_window.hpp"
+#include "template/subband_delay.hpp"
+#include "whitening/whitening.hpp"
 
 namespace bouncelab::detection {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // One drop as two bands of a sound show it.
-#include "drops/recording_timer.hpp"
+#include "drops/drop_timer.hpp"
 
 #include <gtest/gtest.h>
 

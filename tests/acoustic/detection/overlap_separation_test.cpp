@@ -9,8 +9,8 @@
 
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/random.hpp"
-#include "contact/pulse_spectrum.hpp"
-#include "delay/ringing.hpp"
+#include "contact/contact_time.hpp"
+#include "delay/impact_timer.hpp"
 #include "support/modal_sound.hpp"
 
 namespace bouncelab::detection {
@@ -51,8 +51,7 @@ void add(std::vector<float>& sound, const ImpactTemplate& learned, double amplit
   const double bin = kRate_hz / kWindow * kTau_1_s;
   for (std::size_t b = 0; b < w.size(); ++b) {
     const double x = bin * static_cast<double>(b);
-    const auto ratio =
-        static_cast<float>(PulseSpectrum::hertz().at(x * scaling).value / PulseSpectrum::hertz().at(x).value);
+    const auto ratio = static_cast<float>(pulse_spectrum(x * scaling).value / pulse_spectrum(x).value);
     w.re[b] *= ratio;
     w.im[b] *= ratio;
   }
@@ -109,7 +108,7 @@ Outcome time_chatter(const ContactLaw& law, double amplitude) {
 }
 
 TEST(OverlapSeparation, ImpactsThatRingIntoEachOtherAreTimedAsIfEachWereAlone) {
-  const Outcome outcome = time_chatter(ContactLaw{kTau_1_s, 0.0, kTau_1_s, true}, 30.0);
+  const Outcome outcome = time_chatter(ContactLaw{kTau_1_s, 0.0, true}, 30.0);
   // the longer contacts cost a third of the information on the time, the neighbours' own freedom some more
   EXPECT_LT(outcome.ratio, 2.0);
   EXPECT_GT(outcome.pull, 0.8);
@@ -118,7 +117,7 @@ TEST(OverlapSeparation, ImpactsThatRingIntoEachOtherAreTimedAsIfEachWereAlone) {
 
 TEST(OverlapSeparation, SlowImpactsAreSubtractedWithTheirOwnContactTime) {
   // at 50 dB over noise the error of a template of the wrong contact time is louder than noise
-  const Outcome with_law = time_chatter(ContactLaw{kTau_1_s, 0.0, kTau_1_s, true}, 300.0);
+  const Outcome with_law = time_chatter(ContactLaw{kTau_1_s, 0.0, true}, 300.0);
   const Outcome without_law = time_chatter(ContactLaw{}, 300.0);
   EXPECT_LT(with_law.ratio, 2.0);
   EXPECT_GT(without_law.ratio, 2.0 * with_law.ratio);

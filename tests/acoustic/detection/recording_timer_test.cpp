@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Times of a ball whose impacts were found in a low band.
-#include "drops/recording_timer.hpp"
+#include "drops/drop_timer.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,11 +8,10 @@
 #include <cmath>
 #include <vector>
 
-#include "bouncelab/audio/audio_reader.hpp"
+#include "bouncelab/audio/sound_file.hpp"
 #include "bouncelab/core/random.hpp"
 #include "support/modal_sound.hpp"
-#include "whitening/decimate.hpp"
-#include "whitening/linear_prediction.hpp"
+#include "whitening/whitening.hpp"
 
 namespace bouncelab::detection {
 namespace {

@@ -7,16 +7,15 @@
 #include <span>
 #include <vector>
 
-#include "bouncelab/audio/dsp/kernels.hpp"
+#include "bouncelab/audio/dsp.hpp"
+#include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/random.hpp"
-#include "contact/pulse_spectrum.hpp"
+#include "contact/contact_time.hpp"
 #include "support/direct_fourier.hpp"
 #include "support/modal_sound.hpp"
 #include "template/subband_delay.hpp"
-#include "whitening/decimate.hpp"
-#include "whitening/linear_prediction.hpp"
-#include "whitening/white_window.hpp"
+#include "whitening/whitening.hpp"
 
 namespace bouncelab::detection {
 namespace {
@@ -42,24 +41,6 @@ std::vector<float> modes(double start, const std::vector<double>& phases) {
 }
 
 const std::vector<double> kNoPhases(8, 0.0);
-
-TEST(Products, AFilterThatDecimatesIsThePlainSumAtEveryPlaceAndTheSameBitsAtEach) {
-  constexpr std::size_t kFactor = 11;
-  const std::vector<float> taps = noise(48, 1);
-  for (const std::size_t n : {1U, 4U, 7U, 32U}) {
-    const std::vector<float> x = noise(kFactor * (n - 1) + taps.size(), n);
-    std::vector<float> out(n);
-    audio::filter_and_decimate(x, kFactor, taps, out);
-    for (std::size_t k = 0; k < n; ++k) {
-      double sum = 0.0;
-      for (std::size_t j = 0; j < taps.size(); ++j) sum += static_cast<double>(taps[j]) * x[kFactor * k + j];
-      EXPECT_NEAR(out[k], sum, 1e-4);
-      float alone = 0.0F;
-      audio::filter_and_decimate(std::span(x).subspan(kFactor * k), kFactor, taps, std::span(&alone, 1));
-      EXPECT_EQ(out[k], alone);
-    }
-  }
-}
 
 TEST(Products, CorrelateIsThePlainSumAndTheSameBytesWhereverAnOutputStands) {
   // with and without wide registers: the last of 100 outputs are computed by a whole register that overlaps the one
@@ -180,19 +161,20 @@ TEST(LowBand, PassesWhatIsLowWithoutDelayAndNothingElse) {
     EXPECT_NEAR(y[n], tone(700.0, static_cast<double>(n) / low.rate_hz), 0.01);  // 40 dB stop band
 }
 
-TEST(PulseSpectrum, OfAHalfSineIsTheClosedForm) {
-  for (int k = 0; k < 300; ++k) {
-    const double x = 0.0097 * k;
-    if (std::abs(x - 0.5) < 0.02) continue;
-    EXPECT_NEAR(PulseSpectrum::half_sine().at(x).value, std::cos(kPi * x) / (1.0 - 4.0 * x * x), 2e-5) << x;
-  }
-}
-
-TEST(PulseSpectrum, SlopeIsTheDerivativeOfTheValue) {
-  const PulseSpectrum& pulse = PulseSpectrum::hertz();
+TEST(PulseSpectrum, IsTheFourierIntegralOfTheForceAndItsSlope) {
+  constexpr int kSteps = 4000;
   for (int k = 1; k < 300; ++k) {
-    const double x = 0.01 * k, rise = pulse.at(x + 0.01).value - pulse.at(x - 0.01).value;
-    EXPECT_NEAR(pulse.at(x).slope, rise / 0.02, 2e-3);  // P''' h^2 / 6 with P''' below 30
+    const double x = 0.0097 * k;
+    double total = 0.0, value = 0.0, slope = 0.0;
+    for (int q = 0; q < kSteps; ++q) {
+      const double s = (q + 0.5) / kSteps, phase = 2.0 * kPi * (s - 0.5);
+      total += hertz_force(s);
+      value += hertz_force(s) * std::cos(phase * x);
+      slope -= hertz_force(s) * phase * std::sin(phase * x);
+    }
+    EXPECT_NEAR(pulse_spectrum(x).value, value / total, 2e-5) << x;  // the table is interpolated to 1e-5
+    EXPECT_NEAR(pulse_spectrum(x).slope, slope / total, 1e-4)
+        << x;  // and its slope to h^2 / 8 of a third derivative of 30
   }
 }
 

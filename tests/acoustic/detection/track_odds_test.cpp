@@ -9,7 +9,7 @@
 #include "bouncelab/core/random.hpp"
 #include "candidate_rows.hpp"
 #include "tracking/hypothesis.hpp"
-#include "tracking/rescoring.hpp"
+#include "tracking/tracker.hpp"
 
 namespace bouncelab::detection {
 namespace {

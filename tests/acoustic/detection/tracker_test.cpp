@@ -10,7 +10,6 @@
 #include "bouncelab/core/random.hpp"
 #include "candidate_rows.hpp"
 #include "tracking/hypothesis.hpp"
-#include "tracking/rescoring.hpp"
 
 namespace bouncelab::detection {
 namespace {

@@ -9,11 +9,9 @@
 
 #include "bouncelab/core/random.hpp"
 #include "candidate_rows.hpp"
-#include "tracking/bounces.hpp"
-#include "tracking/densities.hpp"
-#include "tracking/neighbours.hpp"
+#include "tracking/hypothesis.hpp"
 #include "tracking/observations.hpp"
-#include "tracking/rhythm.hpp"
+#include "tracking/tracking_model.hpp"
 
 namespace bouncelab::detection {
 namespace {

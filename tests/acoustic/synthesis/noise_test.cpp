@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "scene/noise.hpp"
+#include "scene/background.hpp"
 
 #include <Random123/philox.h>
 #include <gtest/gtest.h>

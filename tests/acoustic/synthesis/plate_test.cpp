@@ -67,7 +67,7 @@ TEST(PlateModes, AFreeDiskHasTheFrequenciesOfItaoAndCrandall) {
 }
 
 TEST(PlateModes, ShapesAreOrthogonalWithMeanSquareOne) {
-  const PlateModes plate(ground_preset(GroundPreset::glass), 20e3);
+  const PlateModes plate(ground_of(kGlass), 20e3);
   const std::size_t n = plate.modes().size();
   constexpr int kGrid = 300;  // midpoint rule: error of order (wavenumber x spacing)^2 / 24 = 4e-4 at 20 kHz
   std::vector<double> gram(n * n, 0.0), shapes(n);
@@ -101,18 +101,17 @@ TEST(PlateModes, ImpossiblePlatesAreRefusedByName) {
   ground = {};
   ground.carrier_damping.support_per_s = 0.0;
   EXPECT_THROW(PlateModes(ground, 1e4), InvalidArgument);
-  ground = ground_preset(GroundPreset::sic);
+  ground = ground_of(kSiliconCarbide);
   ground.disk->radius_m = 0.2;
   EXPECT_THROW(PlateModes(ground, 1e4), InvalidArgument);
-  EXPECT_THROW(PlateModes(ground_preset(GroundPreset::glass), std::numeric_limits<double>::quiet_NaN()),
-               InvalidArgument);
+  EXPECT_THROW(PlateModes(ground_of(kGlass), std::numeric_limits<double>::quiet_NaN()), InvalidArgument);
 }
 
 TEST(Ground, OnlyWhatLiesOnTheSurfaceIsOnIt) {
-  EXPECT_TRUE(contains(ground_preset(GroundPreset::glass), 0.149, -0.099));
-  EXPECT_FALSE(contains(ground_preset(GroundPreset::glass), 0.151, 0.0));
-  EXPECT_TRUE(contains(ground_preset(GroundPreset::sic), 0.03, 0.03));
-  EXPECT_FALSE(contains(ground_preset(GroundPreset::sic), 0.04, 0.04));
+  EXPECT_TRUE(contains(ground_of(kGlass), 0.149, -0.099));
+  EXPECT_FALSE(contains(ground_of(kGlass), 0.151, 0.0));
+  EXPECT_TRUE(contains(ground_of(kSiliconCarbide), 0.03, 0.03));
+  EXPECT_FALSE(contains(ground_of(kSiliconCarbide), 0.04, 0.04));
 }
 
 }  // namespace

@@ -10,7 +10,7 @@
 
 #include "bouncelab/synthesis/synthetic_recording.hpp"
 #include "few_impacts.hpp"
-#include "scene/noise.hpp"
+#include "scene/background.hpp"
 #include "support/sanitizers.hpp"
 #include "support/statistics.hpp"
 

@@ -11,7 +11,7 @@
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/numerics.hpp"
 #include "excitation/point_response.hpp"
-#include "sensor/converter.hpp"
+#include "sensor/instrument.hpp"
 
 namespace bouncelab::synthesis {
 namespace {

@@ -60,6 +60,7 @@ TEST_F(SynthesizeFile, DropByDropItHoldsTheSamplesAndTheTruthOfTheWhole) {
   SynthesisConfig config = with_hard_case(quiet(), "rough");
   config.disturbances.speech_per_s = 2.0;
   config.gain_control_db = 20.0;
+  config.pause_s = 3.0;
   config.encoding = audio::SampleEncoding::float32;
   config.channels = {Channel{}, Channel{-0.1, 0.05, 0.0, 0.7}};
   Impacts five;

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "io/sound_decoder.hpp"
+#include "io/sound_header.hpp"
 #include "target.hpp"
 
 namespace bouncelab::fuzz {
@@ -28,9 +28,9 @@ void check_samples(const audio::SoundInfo& info, std::span<const float> samples)
 }
 
 /// From the begin in blocks, then the last frame: all of them are in the file.
-void read_plain(audio::SoundBytes bytes, const audio::PlainSound& sound) {
+void read_plain(FileBytes bytes, const audio::PlainSound& sound) {
   check(sound.info);
-  audio::PlainSamples plain(bytes, sound, "input");
+  audio::PlainSamples plain(bytes, sound);
   const std::int64_t n = std::min(sound.info.n_frames, kMostSamples / sound.info.n_channels + 1);
   std::vector<float> block(static_cast<std::size_t>(kAtOnce * sound.info.n_channels));
   const auto read = [&](std::int64_t first, std::int64_t n_frames) {
@@ -42,8 +42,8 @@ void read_plain(audio::SoundBytes bytes, const audio::PlainSound& sound) {
   read(sound.info.n_frames - 1, 1);
 }
 
-void decode(audio::SoundBytes bytes) {
-  audio::SoundDecoder decoder(bytes, "input");
+void decode(FileBytes bytes) {
+  audio::SoundDecoder decoder(bytes);
   check(decoder.info());
   std::int64_t n_samples = 0;
   for (auto piece = decoder.next(); !piece.empty() && n_samples < kMostSamples; piece = decoder.next()) {
@@ -56,8 +56,8 @@ void decode(audio::SoundBytes bytes) {
 
 void run(Bytes input) {
   accepts([&] {
-    audio::SoundBytes bytes(std::as_bytes(input));
-    if (const std::optional<audio::PlainSound> sound = audio::plain_sound(bytes, "input"))
+    FileBytes bytes(std::as_bytes(input), "input");
+    if (const std::optional<audio::PlainSound> sound = audio::plain_sound(bytes))
       read_plain(bytes, *sound);
     else
       decode(bytes);

@@ -30,7 +30,7 @@ void check_question(const std::string& text, const AmbiguousTable& asked) {
   for (const AmbiguousTable::Reading& reading : asked.readings()) {
     require(reading.options.tells() && !reading.meaning.empty(), "a reading says what it is");
     try {
-      onsets_from_foreign(read_foreign_table(text, "input", reading.options), "input", reading.options);
+      onsets_from_foreign(read_foreign_table(text, "input", reading.options));
     } catch (const AmbiguousTable& again) {
       require(again.question() != asked.question(), "what is answered is not asked again");
     } catch (const FileError&) {  // what it would be has a gap, or a time that stands twice
@@ -44,7 +44,7 @@ void check_onsets(const std::string& text, const std::string& as) {
   TakenTable taken;
   if (!accepts([&] {
         try {
-          taken = onsets_from_foreign(read_foreign_table(text, "input", options), "input", options);
+          taken = onsets_from_foreign(read_foreign_table(text, "input", options));
         } catch (const AmbiguousTable& asked) {
           check_question(text, asked);
           throw;
@@ -74,7 +74,7 @@ void run(Bytes input) {
   for (const char* as : {"auto", "times", "intervals"}) check_onsets(text, as);
   if (!accepts([&] { table = read_foreign_table(text, "input"); })) return;
   check_table(table);
-  accepts([&] { samples_from_table(samples_from_foreign(table, "input", {}).table, "input"); });
+  accepts([&] { samples_from_table(samples_from_foreign(table).table, "input"); });
 }
 
 }  // namespace bouncelab::fuzz

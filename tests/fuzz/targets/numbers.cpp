@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "io/numbers.hpp"
-#include "io/sound_decoder.hpp"
+#include "io/coded_sound.hpp"
+#include "io/sound_header.hpp"
 #include "target.hpp"
 
 namespace bouncelab::fuzz {
@@ -20,10 +20,10 @@ void check(const audio::SoundInfo& info) {
   require(info.n_channels > 0 && info.n_frames > 0, "there are samples");
 }
 
-void read_npy(audio::SoundBytes& bytes) {
-  const audio::PlainSound sound = audio::npy_sound(bytes, "input", 48e3);
+void read_npy(FileBytes& bytes) {
+  const audio::PlainSound sound = audio::npy_sound(bytes, 48e3);
   check(sound.info);
-  audio::PlainSamples samples(bytes, sound, "input");
+  audio::PlainSamples samples(bytes, sound);
   std::vector<float> last(static_cast<std::size_t>(sound.info.n_channels));
   must_accept("the samples are all in the file", [&] { samples.read(sound.info.n_frames - 1, last); });
 }
@@ -42,7 +42,7 @@ void read_text(const std::string& text, std::optional<double> rate_hz) {
 }  // namespace
 
 void run(Bytes input) {
-  audio::SoundBytes bytes(std::as_bytes(input));
+  FileBytes bytes(std::as_bytes(input), "input");
   if (audio::is_npy(bytes)) {
     accepts([&] { read_npy(bytes); });
     return;

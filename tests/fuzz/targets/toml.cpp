@@ -2,7 +2,7 @@
 #include <string>
 #include <vector>
 
-#include "options/config_file.hpp"
+#include "options/commands.hpp"
 #include "target.hpp"
 
 namespace bouncelab::fuzz {

@@ -7,7 +7,6 @@
 #include <filesystem>
 #include <optional>
 
-#include "bouncelab/core/child_process.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/files.hpp"
 #include "bouncelab/core/parallel.hpp"

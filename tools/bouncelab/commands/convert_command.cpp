@@ -13,7 +13,7 @@
 #include <utility>
 
 #include "bouncelab/audio/annotations.hpp"
-#include "bouncelab/audio/audio_reader.hpp"
+#include "bouncelab/audio/sound_file.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/files.hpp"
 #include "bouncelab/core/parallel.hpp"
@@ -101,7 +101,8 @@ void write_annotations(const fs::path& out, const Onsets& onsets, const ConvertO
     audio_format(annotations, out.string());
     if (annotations.recording != options.input) inputs.emplace_back(annotations.recording);
     OutputFile file(out, run.common.force);
-    audio::copy_with_cues(annotations.recording, annotations, file.temporary_path(), out.string());
+    const auto write = [&](std::string_view bytes) { file.write(bytes); };
+    audio::copy_with_cues(annotations.recording, annotations, write, out.string());
     const std::string origin = provenance(run, inputs);
     return commit_with_provenance(file, out, origin);
   }

@@ -141,7 +141,7 @@ Command synthesize_command() {
             if (world.plate.empty()) world.plate = kPaperBall.plate;
             set_parameter(run.parameters, "ball", world.ball);
             set_parameter(run.parameters, "plate", world.plate);
-            keep_conditions_of(options->impacts, run.parameters);
+            keep_conditions_of({options->impacts}, run.parameters);
             return run_synthesize(*options, run);
           },
           {},
@@ -161,7 +161,12 @@ Command detect_command() {
   auto options = std::make_shared<DetectOptions>();
   return {"detect", "Impact times of bouncing balls in recordings, with standard errors; nothing has to be set",
           "Example: bouncelab detect drop.wav --out onsets.csv --labels drop.txt", with_files(files, *options),
-          [options](Run& run) { return run_detect(*options, run); }};
+          [options](Run& run) {
+            std::vector<std::string> recordings;
+            for (const std::filesystem::path& file : recordings_of(*options)) recordings.push_back(file.string());
+            keep_conditions_of(recordings, run.parameters);
+            return run_detect(*options, run);
+          }};
 }
 
 Command restitution_command() {
@@ -306,7 +311,10 @@ Command convert_command() {
           "Example: bouncelab convert onsets.csv --to marks.txt\n"
           "         bouncelab convert marks.txt --recording drop.wav --to corrected.csv",
           {{"", files, options.get()}, section_of(options->foreign, "Marks and tables of other programs")},
-          [options](Run& run) { return run_convert(*options, run); }};
+          [options](Run& run) {
+            keep_conditions_of({options->input}, run.parameters);
+            return run_convert(*options, run);
+          }};
 }
 
 Command validate_command() {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "options/parser.hpp"
+#include "options/commands.hpp"
 
 #include <CLI/CLI.hpp>
 #include <algorithm>

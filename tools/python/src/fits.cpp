@@ -14,7 +14,6 @@
 #include "bouncelab/report/page.hpp"
 #include "stages/files/table_file.hpp"
 #include "stages/run.hpp"
-#include "work.hpp"
 
 namespace bouncelab::python {
 namespace {

@@ -9,19 +9,19 @@
 
 #include "arguments.hpp"
 #include "arrays.hpp"
-#include "bouncelab/audio/audio_writer.hpp"
+#include "bouncelab/audio/sound_file.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/files.hpp"
 #include "bouncelab/core/foreign_table.hpp"
 #include "bouncelab/core/impacts.hpp"
 #include "bouncelab/detection/wave_preview.hpp"
+#include "bouncelab/loop/analyze.hpp"
 #include "bouncelab/report/notes.hpp"
 #include "bouncelab/synthesis/synthesize.hpp"
 #include "stages/files/foreign_files.hpp"
 #include "stages/files/sample_files.hpp"
 #include "stages/files/table_file.hpp"
 #include "stages/run.hpp"
-#include "work.hpp"
 
 namespace bouncelab::python {
 namespace {
@@ -51,23 +51,15 @@ Onsets onsets_of(const py::dict& columns) {
   });
 }
 
-py::dict detected(std::vector<detection::Detection>& found, const std::vector<std::string>& names,
-                  std::vector<Note> notes) {
-  Table table = to_table(Onsets{});
-  stages::Recordings recordings;
-  bool any = false;
-  for (std::size_t k = 0; k < found.size(); ++k) {
-    recordings.push_back({names[k], found[k].onsets.size(), std::move(found[k])});
-    if (recordings[k].n_onsets == 0) continue;
-    Table rows = to_table(recordings[k].found.onsets);
-    any ? table.append(rows) : void(table = std::move(rows));
-    any = true;
-  }
+py::dict detected(const stages::Recordings& recordings, std::vector<Note> notes) {
+  Onsets onsets;
+  for (const detection::RecordingDetection& r : recordings)
+    onsets.insert(onsets.end(), r.found.onsets.begin(), r.found.onsets.end());
   py::dict result;
   for (Note& note : report::notes_of(recordings, true)) notes.push_back(std::move(note));
   report::order(notes);
   result["summary"] = json_text(stages::summary_of(recordings, notes), 2);
-  result["columns"] = columns_of(std::move(table));
+  result["columns"] = columns_of(to_table(onsets));
   result["warnings"] = report::texts_of(notes, Severity::warning);
   return result;
 }
@@ -139,23 +131,22 @@ py::dict synthesize(const py::dict& columns, const std::string& recording, const
 py::dict detect_files(const std::vector<std::string>& names, const Arguments& arguments, const py::object& progress) {
   auto [options, run] = parse<stages::DetectOptions>(arguments);
   if (names.empty()) throw InvalidArgument("no recording is given");
-  std::vector<std::string> once;
   std::vector<Note> notes;
-  std::vector<detection::Detection> found;
+  stages::Recordings found;
   python::run(run, progress, [&, &options = options, &run = run] {
-    const std::vector<fs::path> paths =
+    const std::vector<fs::path> once =
         stages::each_once({names.begin(), names.end()}, run.common.n_threads, "recording", notes);
-    for (const fs::path& path : paths) once.push_back(path.string());
-    found = detection::detect(paths, options.config, run.common.n_threads,
-                              stages::progress_line(run, "detect", paths.size() == 1 ? "s of sound" : "recordings"));
+    found = loop::detect_all(once, options.config, run.common.n_threads, true,
+                             stages::progress_line(run, "detect", once.size() == 1 ? "s of sound" : "recordings"));
   });
-  const auto unreadable = [](const detection::Detection& d) {
-    return d.status == detection::DetectionStatus::unreadable;
+  const auto unreadable = [](const detection::RecordingDetection& r) {
+    return r.found.status == detection::DetectionStatus::unreadable;
   };
   if (!found.empty() && std::all_of(found.begin(), found.end(), unreadable))
-    throw FileError(once.front(), "none of the " + std::to_string(found.size()) +
-                                      " recordings can be read: " + found.front().notes.front().subject);
-  return detected(found, once, std::move(notes));
+    throw FileError(found.front().recording,
+                    "none of the " + std::to_string(found.size()) +
+                        " recordings can be read: " + found.front().found.notes.front().subject);
+  return detected(found, std::move(notes));
 }
 
 /// @return the same
@@ -165,12 +156,13 @@ py::dict detect_samples(const py::array& array, double rate_hz, const std::strin
   const SoundArray sound(array);
   detection::DetectionConfig config = options.config;
   config.rate_hz.reset();  // that of numbers in files
-  std::vector<detection::Detection> found;
+  detection::Detection found;
   python::run(run, progress, [&, &run = run] {
     const ProgressCallback done = stages::progress_line(run, "detect", "s of sound");
-    found.push_back(detection::detect(sound.samples(), rate_hz, recording, config, done, sound.n_channels()));
+    found = detection::detect(sound.samples(), rate_hz, recording, config, done, sound.n_channels());
   });
-  return detected(found, {recording}, {});
+  const std::size_t n_onsets = found.onsets.size();
+  return detected({{recording, n_onsets, std::move(found)}}, {});
 }
 
 /// @return {columns, summary}
@@ -193,7 +185,7 @@ py::dict onsets_of_heights(const std::vector<std::vector<std::string>>& drops, c
   const std::string name = "heights";
   return read_in_memory([&] {
     const ForeignOptions options{"heights", unit, "h=h"};
-    const TakenTable taken = onsets_from_foreign(read_foreign_table(text, name, options), name, options);
+    const TakenTable taken = onsets_from_foreign(read_foreign_table(text, name, options));
     return columns_of(to_table(onsets_from_table(taken.table, name)));
   });
 }

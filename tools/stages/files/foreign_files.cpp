@@ -108,7 +108,7 @@ TableReader open_onsets(const fs::path& path, const ForeignFileOptions& options,
   }
   const std::string name = input_name(path);
   const std::string text = decoded_text(whole_content(path), name);
-  TakenTable taken = onsets_from_foreign(read_foreign_table(text, name, said), name, said);
+  TakenTable taken = onsets_from_foreign(read_foreign_table(text, name, said));
   taken_for.push_back(line_of(path, taken.taken_for));
   return TableReader(std::move(taken.table));
 }
@@ -124,8 +124,7 @@ TableReader open_samples(const fs::path& path, const ForeignOptions& options, st
   if (!may_be_foreign(path) || (!options.tells() && has_columns(decoded_head(path), {"v_mps", "eps"})))
     return open_table(path, sample_columns());
   const std::string name = input_name(path);
-  TakenTable taken =
-      samples_from_foreign(read_foreign_table(decoded_text(whole_content(path), name), name, options), name, options);
+  TakenTable taken = samples_from_foreign(read_foreign_table(decoded_text(whole_content(path), name), name, options));
   taken_for.push_back(line_of(path, taken.taken_for));
   if (options.columns.find("v_in=") != std::string::npos)  // of which nobody states an error
     taken.table.columns.push_back({"measured", std::vector<std::string>(taken.table.n_rows(), kOfDigits)});

@@ -12,10 +12,9 @@
 #include <map>
 #include <mutex>
 #include <nlohmann/json.hpp>
-#include <set>
 #include <tuple>
 
-#include "bouncelab/audio/audio_reader.hpp"
+#include "bouncelab/audio/sound_file.hpp"
 #include "bouncelab/core/core.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/parallel.hpp"
@@ -34,74 +33,24 @@ Object object_of_parameters(const Parameters& parameters) {
   return object;
 }
 
-/// A checksum that is being computed.
-class Sha256 {
- public:
-  Sha256() { sha256_init(&state_); }
-  void add(const void* bytes, std::size_t n) { sha256_update(&state_, n, static_cast<const std::uint8_t*>(bytes)); }
-  std::string in_hexadecimal() {
-    std::array<std::uint8_t, SHA256_DIGEST_SIZE> digest{};
-    sha256_digest(&state_, digest.size(), digest.data());
-    return fmt::format("{:02x}", fmt::join(digest, ""));
-  }
-
- private:
-  sha256_ctx state_;
-};
-
 std::string computed_sha256(const fs::path& path) {
   FileBytes file(path);
   Sha256 sum;
-  constexpr std::int64_t kAtOnce = 1 << 18;
-  for (std::int64_t done = 0; done < file.size(); done += kAtOnce) {
+  std::vector<std::byte> piece(std::size_t{1} << 18);  // stays in the cache between the system's copy and its use
+  for (std::int64_t at = 0, n = 1; n > 0; at += n) {
     throw_if_stop_requested();
-    const auto bytes = file.at(done, std::min(kAtOnce, file.size() - done));
-    sum.add(bytes.data(), bytes.size());
+    n = file.read(at, piece);
+    sum.add(piece.data(), static_cast<std::size_t>(n));
   }
+  file.check();
   return sum.in_hexadecimal();
-}
-
-/// What tells a file's content from that of others, and from its own after it was written to: device, inode, size, time
-/// of the last change.
-using Content = std::tuple<dev_t, ino_t, off_t, std::time_t, long>;
-
-/// Sums that are known.
-struct KnownSums {
-  std::mutex mutex;
-  std::map<Content, std::string> sums;
-};
-KnownSums& known_sums() {
-  static KnownSums known;
-  return known;
-}
-
-/// Absent where it cannot be told from what the file may hold a moment later.
-std::optional<Content> content_of(const fs::path& path) {
-  struct stat status {};
-  if (::stat(readable(path).c_str(), &status) != 0) return std::nullopt;
-  // written to in the clock's last ticks it may be so again, at the same time as the system counts it
-  if (std::time(nullptr) - status.st_mtim.tv_sec < 2) return std::nullopt;
-  return Content{status.st_dev, status.st_ino, status.st_size, status.st_mtim.tv_sec, status.st_mtim.tv_nsec};
-}
-
-std::optional<std::string> known_sum(const Content& content) {
-  KnownSums& known = known_sums();
-  const std::lock_guard lock(known.mutex);
-  const auto found = known.sums.find(content);
-  return found == known.sums.end() ? std::nullopt : std::optional(found->second);
-}
-
-void keep(const Content& content, const std::string& sum) {
-  const std::lock_guard lock(known_sums().mutex);
-  known_sums().sums[content] = sum;
 }
 
 /// Discarded where it is none, or longer than a provenance is.
 Json json_in(const fs::path& path) {
   FileBytes bytes(path);
   constexpr std::int64_t kMost = 1 << 25;  // of 100,000 recordings with long names
-  const auto content = bytes.at(0, std::min(kMost, bytes.size()));
-  return Json::parse(content.begin(), content.end(), nullptr, false);
+  return Json::parse(bytes.text(0, static_cast<std::size_t>(std::min(kMost, bytes.size()))), nullptr, false);
 }
 
 /// A text of a provenance or of one of its inputs; absent where it has none of that name.
@@ -134,38 +83,13 @@ bool is_of(const Json& meta, const fs::path& file) {
   return sum.empty() || sum == sha256_of_file(file);
 }
 
-/// The value of an option of the command itself; absent where the provenance is none or of another content.
-std::optional<std::string> parameter_in(const Json& meta, const std::string& option, const fs::path& file) {
-  if (!meta.is_object() || !meta.contains("parameters") || !is_of(meta, file)) return std::nullopt;
-  return text_in(meta["parameters"], option);
-}
-
-/// The input that a provenance names, where it was or beside the output; absent where that content is not there, or
-/// nothing is known of it: then nobody waits for its sum.
-std::optional<fs::path> found_input(const Json& input, const fs::path& output) {
-  const std::optional<std::string> name = text_in(input, "path");
-  if (!name) return std::nullopt;
-  const fs::path named = *name;
-  for (const fs::path& path : {named, output.parent_path() / named.filename()})
-    if (fs::is_regular_file(path) && fs::is_regular_file(provenance_path(path)) &&
-        sha256_of_file(path) == sum_in(input))
-      return path;
-  return std::nullopt;
-}
-
-/// @param seen  files that were asked: one that is named twice, or in a circle, is asked once
-std::optional<std::string> parameter_in_history(const fs::path& file, const std::string& option,
-                                                std::set<fs::path>& seen) {
-  if (file.empty() || is_stream(file) || !seen.insert(file).second) return std::nullopt;
-  const Json meta = provenance_beside(file);
-  if (!meta.is_object() || !is_of(meta, file)) return std::nullopt;
-  for (const Json& input : inputs_in(meta))
-    if (const auto at = found_input(input, file))
-      if (auto earlier = parameter_in_history(*at, option, seen); earlier && !earlier->empty()) return earlier;
-  return parameter_in(meta, option, file);
-}
-
 }  // namespace
+
+std::string Sha256::in_hexadecimal() {
+  std::array<std::uint8_t, SHA256_DIGEST_SIZE> digest{};
+  sha256_digest(&state_, digest.size(), digest.data());
+  return fmt::format("{:02x}", fmt::join(digest, ""));
+}
 
 std::string sha256_of(const std::string& text) {
   Sha256 sum;
@@ -194,18 +118,28 @@ bool is_made_of_another(const fs::path& output, const fs::path& input) {
 }
 
 std::string sha256_of_file(const fs::path& path) {
-  const std::optional<Content> content = content_of(path);
-  if (!content) return computed_sha256(path);
-  if (std::optional<std::string> known = known_sum(*content)) return *std::move(known);
+  // device, inode, size, time of the last change: what tells a content from others, and from its own after a change
+  using Content = std::tuple<dev_t, ino_t, off_t, std::time_t, long>;
+  static std::mutex mutex;
+  static std::map<Content, std::string> known;
+  struct stat status {};
+  // written to in the clock's last ticks a file may be so again, at the same time as the system counts it
+  if (::stat(readable(path).c_str(), &status) != 0 || std::time(nullptr) - status.st_mtim.tv_sec < 2)
+    return computed_sha256(path);
+  const Content content{status.st_dev, status.st_ino, status.st_size, status.st_mtim.tv_sec, status.st_mtim.tv_nsec};
+  {
+    const std::lock_guard lock(mutex);
+    if (const auto found = known.find(content); found != known.end()) return found->second;
+  }
   std::string sum = computed_sha256(path);
-  keep(*content, sum);
-  return sum;
+  const std::lock_guard lock(mutex);
+  return known[content] = std::move(sum);
 }
 
 void compute_sha256_ahead(const std::vector<fs::path>& files, int n_threads) {
   parallel_for(files.size(), n_threads, [&](std::size_t k) {
     try {
-      if (content_of(files[k])) sha256_of_file(files[k]);
+      sha256_of_file(files[k]);
     } catch (const FileError&) {  // said by whoever reads the sound
     }
   });
@@ -232,13 +166,11 @@ bool is_provenance(const fs::path& path) {
   return meta.is_object() && meta.contains("command_line") && meta.contains("commit");
 }
 
-bool is_written_with(const fs::path& file, const std::string& option) {
-  return parameter_in(provenance_beside(file), option, file).has_value();
-}
-
 std::optional<std::string> parameter_in_provenance(const fs::path& file, const std::string& option) {
-  std::set<fs::path> seen;
-  return parameter_in_history(file, option, seen);
+  if (file.empty() || is_stream(file)) return std::nullopt;
+  const Json meta = provenance_beside(file);
+  if (!meta.is_object() || !meta.contains("parameters") || !is_of(meta, file)) return std::nullopt;
+  return text_in(meta["parameters"], option);
 }
 
 std::string provenance(const Run& run, const std::vector<fs::path>& inputs, const std::string& sha256) {

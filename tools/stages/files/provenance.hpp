@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <nettle/sha2.h>
+
+#include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -11,12 +15,23 @@
 
 namespace bouncelab::stages {
 
+/// A SHA-256 of bytes that come in pieces.
+class Sha256 {
+ public:
+  Sha256() { sha256_init(&state_); }
+  void add(const void* bytes, std::size_t n) { sha256_update(&state_, n, static_cast<const std::uint8_t*>(bytes)); }
+  std::string in_hexadecimal();
+
+ private:
+  sha256_ctx state_;
+};
+
 /// SHA-256 of a file's content, in hexadecimal; computed once, unless the file changes. From any thread.
 /// @throws FileError, Interrupted
 std::string sha256_of_file(const std::filesystem::path& path);
 
-/// Computes what sha256_of_file() will be asked for, on up to n_threads threads. What cannot be read is passed over,
-/// and so is a file that was written to in the last two seconds, whose sum cannot be kept.
+/// Computes what sha256_of_file() will be asked for, on up to n_threads threads, while others do other work. What
+/// cannot be read is passed over; of a file that was written to in the last two seconds the sum cannot be kept.
 /// @throws Interrupted
 void compute_sha256_ahead(const std::vector<std::filesystem::path>& files, int n_threads);
 
@@ -27,11 +42,8 @@ std::filesystem::path provenance_path(const std::filesystem::path& output);
 /// Whether a file is a provenance that this program wrote.
 bool is_provenance(const std::filesystem::path& path);
 
-/// Whether the command that wrote a file, which nobody has changed since, has an option. @throws FileError
-bool is_written_with(const std::filesystem::path& file, const std::string& option);
-
-/// The value of an option of the first command in a file's history that had it: simulate's --ball of what detect heard
-/// in a sound made of its impacts. Absent where no provenance lies beside the file or it is that of another content.
+/// The value of an option of the command that wrote a file, or of what it kept of its input (keep_conditions_of).
+/// Absent where no provenance lies beside the file, it is that of another content, or has no such option.
 /// @throws FileError where a provenance is none
 std::optional<std::string> parameter_in_provenance(const std::filesystem::path& file, const std::string& option);
 

@@ -49,21 +49,24 @@ void TableWriter::add(std::size_t k, const Table& rows) {
     write_csv_rows(out, rows);
   const std::string text = out.str();
   if (k != next_) {
-    if (!scratch_) scratch_.emplace(file_.temporary_path().parent_path(), path_.string());
+    if (!scratch_) scratch_.emplace(file_.folder(), path_.string());
     waiting_[k] = {scratch_->append(text), text.size()};
     return;
   }
+  write(text);
+  for (auto first = waiting_.begin(); first != waiting_.end() && first->first == next_; first = waiting_.erase(first))
+    write(scratch_->at(first->second.first, first->second.n));
+}
+
+void TableWriter::write(const std::string& text) {
   file_.write(text);
+  sum_.add(text.data(), text.size());
   ++next_;
-  for (auto first = waiting_.begin(); first != waiting_.end() && first->first == next_; first = waiting_.erase(first)) {
-    file_.write(scratch_->at(first->second.first, first->second.n));
-    ++next_;
-  }
 }
 
 void TableWriter::finish(const std::vector<fs::path>& inputs) {
   throw_if_stop_requested();
-  const std::string origin = provenance(run_, inputs, sha256_of_file(file_.temporary_path()));
+  const std::string origin = provenance(run_, inputs, sum_.in_hexadecimal());
   commit_with_provenance(file_, path_, origin);
 }
 
@@ -84,7 +87,6 @@ OutputFolder::OutputFolder(fs::path folder) : folder_(std::move(folder)) {
                                           (error ? error.message() : "there is a file of that name") +
                                           "); name one that may be written: --out FOLDER");
   lock_.emplace(folder_);
-  remove_abandoned_files(folder_);
 }
 
 OutputFolder::~OutputFolder() {

@@ -49,10 +49,12 @@ class TableWriter {
     std::int64_t first = 0;
     std::size_t n = 0;
   };
+  void write(const std::string& text);
 
   const Run& run_;
   std::filesystem::path path_;
   OutputFile file_;
+  Sha256 sum_;            // of what is written
   std::size_t next_ = 0;  // piece that comes next in the file
   std::map<std::size_t, Place> waiting_;
   std::optional<ScratchFile> scratch_;  // those that wait
@@ -63,7 +65,7 @@ void write_text(const Run& run, const std::filesystem::path& path, const std::st
                 const std::vector<std::filesystem::path>& inputs = {});
 
 /// A folder for the outputs of one process at a time, created where it is missing; removed again where nothing was
-/// written to it. What killed processes left half-written in it is deleted.
+/// written to it.
 class OutputFolder {
  public:
   /// @throws FileError where it cannot be created, nothing can be written in it, or another process is at work in it

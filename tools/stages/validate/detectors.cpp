@@ -9,8 +9,7 @@
 #include <string_view>
 
 #include "bouncelab/audio/annotations.hpp"
-#include "bouncelab/audio/audio_reader.hpp"
-#include "bouncelab/core/child_process.hpp"
+#include "bouncelab/audio/sound_file.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/files.hpp"
 #include "bouncelab/core/parallel.hpp"

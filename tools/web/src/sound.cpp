@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "bouncelab/audio/audio_reader.hpp"
+#include "bouncelab/audio/sound_file.hpp"
 #include "bouncelab/core/error.hpp"
 
 namespace bouncelab::web {

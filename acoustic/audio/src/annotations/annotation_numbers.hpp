@@ -4,7 +4,6 @@
 #include <cmath>
 #include <string>
 #include <string_view>
-#include <system_error>
 #include <vector>
 
 #include "bouncelab/audio/annotations.hpp"
@@ -13,23 +12,10 @@
 
 namespace bouncelab::audio {
 
-/// The fewest digits that read back to the same number.
-inline std::string number_text(double value) {
-  char buffer[32];
-  return {buffer, bouncelab::to_chars(buffer, buffer + sizeof buffer, value).ptr};
-}
-
-/// The same without an exponent: Praat and Audacity do not read one.
+/// The fewest digits that read back to the same number, without an exponent: Praat and Audacity do not read one.
 inline std::string plain_number_text(double value) {
   char buffer[400];
   return {buffer, bouncelab::to_chars(buffer, buffer + sizeof buffer, value, std::chars_format::fixed).ptr};
-}
-
-/// All of the text as a number; false if it is something else.
-template <class Number>
-bool parse_number(std::string_view text, Number& value) {
-  const auto [end, status] = bouncelab::from_chars(text.data(), text.data() + text.size(), value);
-  return status == std::errc{} && end == text.data() + text.size() && !text.empty();
 }
 
 inline constexpr double kLongest_s = 1e9;  // 30 years: what is beyond is a damaged file, not a mark

@@ -7,12 +7,13 @@
 #include <sstream>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "annotations/annotation_numbers.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/foreign_table.hpp"
 #include "bouncelab/core/text.hpp"
-#include "io/numbers.hpp"
+#include "io/coded_sound.hpp"
 
 namespace bouncelab::audio {
 namespace {
@@ -23,12 +24,19 @@ struct Labelled {
   std::optional<double> t_s;
 };
 
+/// What a label says beside the time, in this order.
+constexpr std::pair<const char*, std::optional<double> Onset::*> kLabelNumbers[]{{"sigma_t_s", &Onset::sigma_t_s},
+                                                                                 {"amplitude", &Onset::amplitude},
+                                                                                 {"snr_db", &Onset::snr_db},
+                                                                                 {"probability", &Onset::probability}};
+
 /// A finite number that the onsets' table may hold in this column; absent where the text or the column is another.
 std::optional<double> number_for(const std::string& column, std::string_view text) {
   static const std::vector<ColumnSpec> columns = onset_columns();
   const auto spec = std::find_if(columns.begin(), columns.end(), [&](const auto& c) { return c.name == column; });
   double value = 0.0;
-  if (spec == columns.end() || !parse_number(text, value) || !std::isfinite(value) || !spec->range.holds(value))
+  if (spec == columns.end() || parse_number(text, value) != std::errc{} || !std::isfinite(value) ||
+      !spec->range.holds(value))
     return std::nullopt;
   return value;
 }
@@ -38,8 +46,9 @@ bool is_number(std::int64_t value) { return kIndexRange.holds(static_cast<double
 /// DROP.IMPACT; false if the word is something else.
 bool parse_drop_and_impact(std::string_view word, Onset& onset) {
   const auto dot = word.find('.');
-  return dot != std::string_view::npos && parse_number(word.substr(0, dot), onset.drop) &&
-         parse_number(word.substr(dot + 1), onset.impact) && is_number(onset.drop) && is_number(onset.impact);
+  return dot != std::string_view::npos && parse_number(word.substr(0, dot), onset.drop) == std::errc{} &&
+         parse_number(word.substr(dot + 1), onset.impact) == std::errc{} && is_number(onset.drop) &&
+         is_number(onset.impact);
 }
 
 std::optional<Labelled> read_label(const std::string& label) {
@@ -57,10 +66,8 @@ std::optional<Labelled> read_label(const std::string& label) {
     const auto value = number_for(key, std::string_view(word).substr(equals + 1));
     if (!value) continue;
     if (key == "t_s" && std::abs(*value) <= kLongest_s) result.t_s = value;
-    if (key == "sigma_t_s") result.onset.sigma_t_s = value;
-    if (key == "amplitude") result.onset.amplitude = value;
-    if (key == "snr_db") result.onset.snr_db = value;
-    if (key == "probability") result.onset.probability = value;
+    for (const auto& [name, member] : kLabelNumbers)
+      if (key == name) result.onset.*member = value;
   }
   return result;
 }
@@ -76,10 +83,8 @@ std::string label_of(const Onset& onset) {
   std::string text = std::to_string(onset.drop) + "." + std::to_string(onset.impact);
   if (!onset.flags.empty()) text += " " + flag_words(onset.flags.text());
   text += " t_s=" + number_text(onset.t_s);
-  if (onset.sigma_t_s) text += " sigma_t_s=" + number_text(*onset.sigma_t_s);
-  if (onset.amplitude) text += " amplitude=" + number_text(*onset.amplitude);
-  if (onset.snr_db) text += " snr_db=" + number_text(*onset.snr_db);
-  if (onset.probability) text += " probability=" + number_text(*onset.probability);
+  for (const auto& [name, member] : kLabelNumbers)
+    if (onset.*member) text += " " + std::string(name) + "=" + number_text(*(onset.*member));
   return text;
 }
 
@@ -320,7 +325,7 @@ Onsets onsets_of_file(std::string_view bytes, const std::string& name, const For
       return onsets_of(*std::move(marks), false, name);
     }
   }
-  TakenTable taken = onsets_from_foreign(read_foreign_table(decoded_text(bytes, name), name, options), name, options);
+  TakenTable taken = onsets_from_foreign(read_foreign_table(decoded_text(bytes, name), name, options));
   taken_for = std::move(taken.taken_for);
   return onsets_from_table(taken.table, name);
 }

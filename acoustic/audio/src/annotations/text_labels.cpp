@@ -34,7 +34,7 @@ class FreeStanding {
   double number() {
     for (std::string word; next_word(word);) {
       double value = 0.0;
-      if (parse_number(word, value) && std::isfinite(value)) return value;
+      if (parse_number(word, value) == std::errc{} && std::isfinite(value)) return value;
       if (word.front() == '"') throw FileError(name_, "has the text " + word + " where a number belongs");
     }
     throw FileError(name_, "ends where a number belongs; is the file cut off?");
@@ -50,7 +50,7 @@ class FreeStanding {
   /// Refuses numbers behind the last that was to come.
   void end(const std::string& what) {
     for (std::string word; next_word(word);)
-      if (double value = 0.0; parse_number(word, value))
+      if (double value = 0.0; parse_number(word, value) == std::errc{})
         throw FileError(name_, "has more " + what + " than it says; save it again in Praat");
   }
   std::string text() {
@@ -243,7 +243,7 @@ pugi::xml_node next_in_text(pugi::xml_node node) {
 
 double number_of(const pugi::xml_node& node, const char* key, const std::string& name) {
   double value = 0.0;
-  if (!parse_number(node.attribute(key).value(), value) || !std::isfinite(value))
+  if (parse_number(node.attribute(key).value(), value) != std::errc{} || !std::isfinite(value))
     throw FileError(name,
                     std::string("has an element without a numeric '") + key + "'; is it a layer of Sonic Visualiser?");
   return value;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
 #include <cmath>
-#include <fstream>
+#include <functional>
 #include <limits>
 #include <map>
 #include <optional>
@@ -13,7 +13,6 @@
 #include "bouncelab/audio/annotations.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/files.hpp"
-#include "io/sound_bytes.hpp"
 #include "io/sound_header.hpp"
 
 namespace bouncelab::audio {
@@ -32,7 +31,7 @@ std::uint32_t number_at(std::string_view bytes, std::size_t at) {
 /// The chunks of a WAV or RF64 file (EBU Tech 3306).
 class RiffFile {
  public:
-  RiffFile(SoundBytes bytes, std::string name) : name_(std::move(name)), bytes_(bytes) {
+  explicit RiffFile(const FileBytes& bytes) : name_(bytes.name()), bytes_(bytes) {
     const std::string head = read(0, 12);
     kind_ = head.substr(0, 4);
     if (head.size() < 12 || (kind_ != "RIFF" && kind_ != "RF64" && kind_ != "BW64") || head.substr(8) != "WAVE")
@@ -51,7 +50,7 @@ class RiffFile {
       at = layout.next(chunk->begin, static_cast<std::int64_t>(chunk->length));
       chunks_.push_back(*chunk);
     }
-    bytes_.check(name_);
+    bytes_.check();
   }
 
   const std::vector<Chunk>& chunks() const { return chunks_; }
@@ -59,7 +58,7 @@ class RiffFile {
   const std::string& name() const { return name_; }
   std::string read(std::int64_t begin, std::uint64_t size) {
     std::string text = bytes_.text(begin, size);
-    bytes_.check(name_);
+    bytes_.check();
     return text;
   }
   std::string content(const Chunk& chunk) { return read(chunk.begin, chunk.length); }
@@ -78,7 +77,7 @@ class RiffFile {
 
  private:
   std::string name_, kind_;
-  SoundBytes bytes_;
+  FileBytes bytes_;
   std::vector<Chunk> chunks_;
 };
 
@@ -148,49 +147,39 @@ Annotations cues_of(RiffFile file) {
 
 }  // namespace
 
-Annotations read_cues(const std::filesystem::path& path) {
-  const ReadableFile file(path);
-  return cues_of({SoundBytes(file.descriptor()), file.name()});
-}
+Annotations read_cues(const std::filesystem::path& path) { return cues_of(RiffFile(FileBytes(path))); }
 
 Annotations parse_cues(std::span<const std::byte> bytes, const std::string& name) {
-  return cues_of({SoundBytes(bytes), name});
+  return cues_of(RiffFile(FileBytes(bytes, name)));
 }
 
 void copy_with_cues(const std::filesystem::path& recording, const Annotations& annotations,
-                    const std::filesystem::path& out, const std::string& name) {
-  const ReadableFile input(recording);
-  RiffFile file(SoundBytes(input.descriptor()), input.name());
+                    const std::function<void(std::string_view)>& write, const std::string& name) {
+  RiffFile file{FileBytes(recording)};
   const std::string cues = cue_chunks(annotations, file.rate_hz(), name);
-  std::ofstream to(out, std::ios::binary | std::ios::trunc);
-  to << file.read(0, 12);
-  std::uint64_t length = 12;
-  std::optional<std::uint64_t> ds64_at;
+  std::vector<Chunk> chunks = file.chunks();
+  std::erase_if(chunks, [&](const Chunk& chunk) { return file.is_cue_chunk(chunk); });
+  std::uint64_t length = 12 + cues.size();
+  for (const Chunk& chunk : chunks) length += 8 + chunk.length + chunk.length % 2;
+  const bool is_riff = file.kind() == "RIFF";
+  if (is_riff && length - 8 > kIn32Bits)
+    throw FileError(name, "would be longer than the 4 GiB of WAV; make the recording an RF64 first (sox, ffmpeg)");
+  if (!is_riff && std::none_of(chunks.begin(), chunks.end(), [](const Chunk& chunk) { return chunk.name == "ds64"; }))
+    throw FileError(file.name(), "is RF64 without its chunk 'ds64'");
+  std::string head = file.read(0, 12);
+  if (is_riff) head.replace(4, 4, bytes_of_number(length - 8, 4));
+  write(head);
   constexpr std::uint64_t kPiece = 1 << 20;
-  for (const Chunk& chunk : file.chunks()) {
-    if (file.is_cue_chunk(chunk)) continue;
-    if (chunk.name == "ds64") ds64_at = length + 8;
+  for (const Chunk& chunk : chunks) {
     const std::uint64_t size = 8 + chunk.length;
-    for (std::uint64_t done = 0; done < size; done += kPiece)
-      to << file.read(chunk.begin - 8 + static_cast<std::int64_t>(done), std::min(kPiece, size - done));
-    if (size % 2) to << '\0';
-    length += size + size % 2;
+    for (std::uint64_t done = 0; done < size; done += kPiece) {
+      std::string piece = file.read(chunk.begin - 8 + static_cast<std::int64_t>(done), std::min(kPiece, size - done));
+      if (chunk.name == "ds64" && done == 0) piece.replace(8, 8, bytes_of_number(length - 8, 8));
+      write(piece);
+    }
+    if (size % 2) write(std::string(1, '\0'));
   }
-  to << cues;
-  length += cues.size();
-  std::string riff_size;
-  if (file.kind() == "RIFF") {
-    if (length - 8 > kIn32Bits)
-      throw FileError(name, "would be longer than the 4 GiB of WAV; make the recording an RF64 first (sox, ffmpeg)");
-    riff_size = bytes_of_number(length - 8, 4);
-    to.seekp(4);
-  } else {
-    if (!ds64_at) throw FileError(file.name(), "is RF64 without its chunk 'ds64'");
-    riff_size = bytes_of_number(length - 8, 8);
-    to.seekp(static_cast<std::streamoff>(*ds64_at));
-  }
-  to << riff_size;
-  close_written(to, name);
+  write(cues);
 }
 
 }  // namespace bouncelab::audio

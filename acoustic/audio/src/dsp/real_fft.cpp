@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "bouncelab/audio/dsp/real_fft.hpp"
+#include "bouncelab/audio/dsp.hpp"
 
 #include <fftw3.h>
 
@@ -13,7 +13,6 @@
 #include <new>
 #include <type_traits>
 
-#include "bouncelab/audio/dsp/kernels.hpp"
 #include "bouncelab/core/elementary.hpp"
 
 namespace bouncelab::audio {
@@ -90,8 +89,8 @@ void pack(const float* __restrict re, const float* __restrict im, const RealFft:
 }
 
 /// FFTW may plan on one thread at a time; by estimate only, because the plans that it measures differ from run to run.
-/// Complex transforms whose length is a power of two are the same to the last bit by registers of any width; FFTW's
-/// real ones are not, and take longer.
+/// FFTW's own real transforms, planned so, take longer than complex ones of half the length with packing: by them
+/// `detect` takes 1.05 (60 s of sound) to 1.15 (12 s) of the time, all in all.
 const RealFft::Plan& plan_for(std::size_t n) {
   static std::mutex mutex;
   static std::map<std::size_t, RealFft::Plan> known;
@@ -207,39 +206,26 @@ template <class Value>
   }
 }
 
-void shift(const float* a_re, const float* a_im, const PhaseSteps& steps, float* __restrict re, float* __restrict im,
-           std::size_t n) {
-  times_phasors(
-      [&](std::size_t k, float& x, float& y) {
-        x = a_re[k];
-        y = a_im[k];
-      },
-      steps, re, im, n);
-}
-
-void multiply_conj(const float* ar, const float* ai, const float* br, const float* bi, const PhaseSteps& steps,
-                   float* __restrict re, float* __restrict im, std::size_t n) {
-  times_phasors(
-      [&](std::size_t k, float& x, float& y) {
-        x = ar[k] * br[k] + ai[k] * bi[k];
-        y = ar[k] * bi[k] - ai[k] * br[k];
-      },
-      steps, re, im, n);
-}
-
 Spectrum of_size(std::size_t n) { return {std::vector<float>(n), std::vector<float>(n)}; }
 
 }  // namespace
 
 Spectrum phase_shifted(const Spectrum& a, double angle) {
   Spectrum out = of_size(a.size());
-  shift(a.re.data(), a.im.data(), PhaseSteps(angle), out.re.data(), out.im.data(), a.size());
+  const float *const re = a.re.data(), *const im = a.im.data();
+  const auto value = [=](std::size_t k, float& x, float& y) { x = re[k], y = im[k]; };
+  times_phasors(value, PhaseSteps(angle), out.re.data(), out.im.data(), a.size());
   return out;
 }
 
 Spectrum product_conj(const Spectrum& a, const Spectrum& b, std::size_t n, double angle) {
   Spectrum out = of_size(n);
-  multiply_conj(a.re.data(), a.im.data(), b.re.data(), b.im.data(), PhaseSteps(angle), out.re.data(), out.im.data(), n);
+  const float *const ar = a.re.data(), *const ai = a.im.data(), *const br = b.re.data(), *const bi = b.im.data();
+  const auto value = [=](std::size_t k, float& x, float& y) {
+    x = ar[k] * br[k] + ai[k] * bi[k];
+    y = ar[k] * bi[k] - ai[k] * br[k];
+  };
+  times_phasors(value, PhaseSteps(angle), out.re.data(), out.im.data(), n);
   return out;
 }
 

@@ -1,16 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "bouncelab/audio/audio_reader.hpp"
+#include "bouncelab/audio/sound_file.hpp"
 
 #include <algorithm>
 #include <fstream>
 #include <numeric>
 
 #include "bouncelab/core/error.hpp"
+#include "bouncelab/core/files.hpp"
 #include "bouncelab/core/table.hpp"
 #include "io/coded_sound.hpp"
-#include "io/numbers.hpp"
-#include "io/sound_bytes.hpp"
-#include "io/sound_decoder.hpp"
 #include "io/sound_header.hpp"
 
 namespace bouncelab::audio {
@@ -21,7 +19,7 @@ constexpr std::int64_t kFramesAtOnce = 1 << 12;  // 16 kB of one channel: stays 
 }  // namespace
 
 struct AudioReader::State {
-  ReadableFile file;
+  FileBytes file;
   SoundInfo info;
   std::optional<PlainSamples> plain;
   DecodedSamples decoded;  // of what is not plain
@@ -37,28 +35,25 @@ struct AudioReader::State {
   void open(const std::filesystem::path& path, std::optional<double> rate_hz, int track) {
     if (rate_hz && !(*rate_hz >= kLowestRate_hz && *rate_hz <= kHighestRate_hz))
       throw InvalidArgument("--rate: must be 4 kHz to 4 MHz");
-    SoundBytes bytes(file.descriptor());
-    if (is_npy(bytes)) {
-      open_plain(bytes, npy_sound(bytes, file.name(), rate_hz));
-      return;
-    }
-    if (is_text(bytes)) {
+    if (file.size() == 0) throw FileError(file.name(), "the file is empty (0 bytes); record again");
+    if (is_npy(file)) return open_plain(npy_sound(file, rate_hz));
+    if (is_text(file)) {
       std::ifstream in = open_text(path);
       info = read_number_text(in, file.name(), rate_hz, decoded);
       return;
     }
-    if (const std::optional<PlainSound> sound = plain_sound(bytes, file.name()))
-      open_plain(bytes, *sound);
+    if (const std::optional<PlainSound> sound = plain_sound(file))
+      open_plain(*sound);
     else
       info = decode_coded(path, file, track, decoded);
-    if (const std::string more = what_follows(bytes); !more.empty())
+    if (const std::string more = what_follows(file); !more.empty())
       info.warning += (info.warning.empty() ? "" : "; ") + more;
     if (rate_hz) throw InvalidArgument("--rate: " + file.name() + " has a sampling rate of its own; leave --rate out");
   }
 
-  void open_plain(SoundBytes bytes, const PlainSound& sound) {
+  void open_plain(const PlainSound& sound) {
     info = sound.info;
-    plain.emplace(bytes, sound, file.name());
+    plain.emplace(file, sound);
   }
 
   /// Interleaved frames from `first` on.

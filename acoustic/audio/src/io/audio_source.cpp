@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "bouncelab/audio/audio_reader.hpp"
+#include "bouncelab/audio/sound_file.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "bouncelab/audio/audio_writer.hpp"
+#include "bouncelab/audio/sound_file.hpp"
 
-#include <fcntl.h>
 #include <sndfile.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -122,8 +121,9 @@ SF_INFO checked_info(const std::filesystem::path& path, const AudioSpec& spec, s
   return info;
 }
 
-/// What libsndfile writes into. It keeps no errors of what its encoder of FLAC writes, last of all when it is closed: a
-/// full disk would leave half a recording that passes for a whole one. So the first is kept here.
+/// What libsndfile writes into. Given a descriptor alone (sf_open_fd) it keeps no errors of what its encoder of FLAC
+/// writes, last of all when it is closed: a full disk would leave half a recording that passes for a whole one. So the
+/// first is kept here.
 struct Sink {
   int descriptor = -1;
   int error = 0;  ///< errno
@@ -166,7 +166,6 @@ struct AudioWriter::State {
       : name(path.string()), encoding(encoding_), output(path, may_replace) {}
   ~State() {
     if (file) sf_close(file);
-    if (sink.descriptor >= 0) ::close(sink.descriptor);
   }
   State(const State&) = delete;
   State& operator=(const State&) = delete;
@@ -193,9 +192,7 @@ AudioWriter::AudioWriter(const std::filesystem::path& path, const AudioSpec& spe
                          bool may_replace) {
   SF_INFO info = checked_info(path, spec, n_frames);
   state_ = std::make_unique<State>(path, spec.encoding, may_replace);
-  state_->sink.descriptor = ::open(state_->output.temporary_path().c_str(), O_RDWR | O_CLOEXEC);
-  if (state_->sink.descriptor < 0)
-    throw FileError(state_->name, "cannot be written: " + std::string(std::strerror(errno)));
+  state_->sink.descriptor = state_->output.descriptor();
   SF_VIRTUAL_IO calls{length_of, seek_in, read_from, write_to, place_in};
   state_->file = sf_open_virtual(&calls, SFM_WRITE, &info, &state_->sink);
   if (!state_->file) throw FileError(state_->name, std::string("cannot be written: ") + sf_strerror(nullptr));

@@ -6,9 +6,9 @@
 #include <sstream>
 #include <system_error>
 
-#include "bouncelab/core/child_process.hpp"
 #include "bouncelab/core/error.hpp"
-#include "io/sound_decoder.hpp"
+#include "bouncelab/core/files.hpp"
+#include "io/sound_header.hpp"
 
 namespace bouncelab::audio {
 namespace {
@@ -53,9 +53,9 @@ void DecodedSamples::read(std::int64_t first, std::span<float> out) const {
 
 #ifdef __EMSCRIPTEN__  // a browser, which has no processes, and decodes by itself what ffmpeg would
 
-SoundInfo decode_coded(const std::filesystem::path&, const ReadableFile& file, int, DecodedSamples& samples) {
+SoundInfo decode_coded(const std::filesystem::path&, const FileBytes& file, int, DecodedSamples& samples) {
   try {
-    SoundDecoder decoder(SoundBytes(file.descriptor()), file.name());
+    SoundDecoder decoder(file);
     SoundInfo info = decoder.info();
     for (auto piece = decoder.next(); !piece.empty(); piece = decoder.next()) samples.append(piece);
     conclude(info, decoder.has_length(), samples.size() / info.n_channels, file.name());
@@ -106,7 +106,7 @@ void write_head(const std::string& head, const ChildProcess::Output& write) {
 void decode_in_child(const std::string& name, const ChildProcess::Output& write) {
   std::optional<SoundDecoder> decoder;
   try {
-    decoder.emplace(SoundBytes(ChildProcess::kHandedOver), name);
+    decoder.emplace(FileBytes(ChildProcess::kHandedOver, name));
   } catch (const NotForLibsndfile& error) {
     return write_head(std::string(kOther) + "\n" + error.reason, write);
   }
@@ -115,8 +115,8 @@ void decode_in_child(const std::string& name, const ChildProcess::Output& write)
 }
 
 /// @throws NotForLibsndfile; FileError
-SoundInfo decode_by_libsndfile(const ReadableFile& file, DecodedSamples& samples) {
-  const std::int64_t n_bytes = SoundBytes(file.descriptor()).size();
+SoundInfo decode_by_libsndfile(const FileBytes& file, DecodedSamples& samples) {
+  const std::int64_t n_bytes = file.size();
   const ChildLimits limits{kLeast_cpu_s + static_cast<double>(n_bytes) / kBytesPerCpuSecond,
                            kLeast_memory_bytes + kMemoryPerFileByte * n_bytes};
   ChildProcess child([&](const ChildProcess::Output& write) { decode_in_child(file.name(), write); }, file.name(),
@@ -150,8 +150,7 @@ SoundInfo decode_by_libsndfile(const ReadableFile& file, DecodedSamples& samples
 
 }  // namespace
 
-SoundInfo decode_coded(const std::filesystem::path& path, const ReadableFile& file, int track,
-                       DecodedSamples& samples) {
+SoundInfo decode_coded(const std::filesystem::path& path, const FileBytes& file, int track, DecodedSamples& samples) {
   try {
     return decode_by_libsndfile(file, samples);
   } catch (const NotForLibsndfile& error) {

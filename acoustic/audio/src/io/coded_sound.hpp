@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <iosfwd>
 #include <optional>
 #include <span>
 #include <string>
@@ -10,7 +11,6 @@
 #include <vector>
 
 #include "bouncelab/core/files.hpp"
-#include "io/sound_bytes.hpp"
 #include "io/sound_header.hpp"
 
 namespace bouncelab::audio {
@@ -72,7 +72,7 @@ class DecodedSamples {
 /// @param path   as it was given
 /// @param track  of several that ffmpeg finds, from 0
 /// @throws FileError naming the remedy; Interrupted
-SoundInfo decode_coded(const std::filesystem::path& path, const ReadableFile& file, int track, DecodedSamples& samples);
+SoundInfo decode_coded(const std::filesystem::path& path, const FileBytes& file, int track, DecodedSamples& samples);
 
 /// Any recording that ffmpeg can decode, a track of sound of a video too: ffmpeg runs as a process of its own and
 /// writes float samples and nothing else to a pipe, at the rate and in the channels that ffprobe states. It leaves out
@@ -80,7 +80,36 @@ SoundInfo decode_coded(const std::filesystem::path& path, const ReadableFile& fi
 /// (AudioFormat::silences).
 /// @param reason  why libsndfile does not read it, for messages
 /// @throws FileError: ffmpeg is not installed, or cannot read it; it holds no sound. Interrupted
-SoundInfo decode_by_ffmpeg(const std::filesystem::path& path, const ReadableFile& file, int track,
+SoundInfo decode_by_ffmpeg(const std::filesystem::path& path, const FileBytes& file, int track,
                            const std::string& reason, DecodedSamples& samples);
+
+bool is_npy(FileBytes& bytes);
+
+/// Samples that NumPy saved (numpy.save, format versions 1 to 3): one dimension, or samples x channels in C order, of
+/// int16 (full scale = 32768), float32 or float64 (full scale = 1), little-endian.
+/// @param rate_hz  sampling rate, which the format does not hold
+/// @throws FileError naming the remedy: another type, order or shape, cut off, no rate given
+/// Source: numpy.lib.format, https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html
+PlainSound npy_sound(FileBytes& bytes, std::optional<double> rate_hz);
+
+/// Whether a file may be a table: no control characters in its first bytes.
+bool is_text(FileBytes& bytes);
+
+/// The step of the first column of such a table, where that is a time [s]; read from its first rows.
+/// @throws FileError where these are no numbers
+std::optional<double> step_of_number_text(std::istream& in);
+
+/// Samples as a table of text, as phyphox and oscilloscopes export them: columns by tab, semicolon, comma or blanks;
+/// decimal point, or decimal comma where the comma does not separate; lines in front that are no numbers (titles,
+/// units), empty ones and those that begin with # are passed over.
+///
+/// A first column whose title has a unit of time, or that grows by equal steps, gives the sampling
+/// rate; one that counts 0, 1, 2 ... is passed over. Every other column is a channel, full scale = 1.
+/// @param in       the table's text, read to its end. @param name  for messages
+/// @param rate_hz  of a table without times
+/// @throws FileError naming the line: no numbers, another number of cells, times that are not uniform, neither times
+///         nor rate; InvalidArgument where there are both
+SoundInfo read_number_text(std::istream& in, const std::string& name, std::optional<double> rate_hz,
+                           DecodedSamples& samples);
 
 }  // namespace bouncelab::audio

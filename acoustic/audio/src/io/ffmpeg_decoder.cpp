@@ -15,7 +15,6 @@
 #include <string>
 #include <vector>
 
-#include "bouncelab/core/child_process.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/files.hpp"
 #include "bouncelab/core/numerics.hpp"
@@ -109,14 +108,10 @@ constexpr double kCpuSecondsPerByte = 30e-6;
 constexpr std::int64_t kMostFfmpegFramesPerByte = 1 << 16;  // as FLAC packs silence
 constexpr std::size_t kFfmpegSamplesAtOnce = 1 << 14;       // the 64 kB that a pipe holds
 
-/// The first line of what a program complained of, without the name that it gave the file.
+/// Of what ffmpeg complained, without the name that it gave the file.
 std::string first_line_of(const std::string& complaints, const std::string& input) {
-  std::string line = complaints.substr(0, complaints.find('\n'));
-  if (line.rfind(input + ": ", 0) == 0) line.erase(0, input.size() + 2);
-  // "[aac @ 0x55d0]": where in memory its decoder lies is of no use
-  if (const std::size_t at = line.find(" @ 0x"); line.rfind('[', 0) == 0 && at != std::string::npos)
-    line.erase(at, std::min(line.find(']', at), line.size()) - at);
-  return line.empty() ? "no reason given" : line;
+  const std::string line = first_complaint(complaints);
+  return line.starts_with(input + ": ") ? line.substr(input.size() + 2) : line;
 }
 
 /// KEY=VALUE in one of the lines.
@@ -368,9 +363,9 @@ std::int64_t take_sound(const Decoding& d, ChildProcess& running, const std::vec
 
 }  // namespace
 
-SoundInfo decode_by_ffmpeg(const std::filesystem::path& path, const ReadableFile& file, int track,
+SoundInfo decode_by_ffmpeg(const std::filesystem::path& path, const FileBytes& file, int track,
                            const std::string& reason, DecodedSamples& samples) {
-  const std::int64_t n_bytes = SoundBytes(file.descriptor()).size();
+  const std::int64_t n_bytes = file.size();
   Decoding d{installed("ffmpeg", file.name(), reason),
              installed("ffprobe", file.name(), reason),
              {},

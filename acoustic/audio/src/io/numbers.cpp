@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "io/numbers.hpp"
+#include "io/coded_sound.hpp"
 
 #include <sndfile.h>
 
@@ -165,10 +165,9 @@ class TimeGrid {
 };
 
 void TimeGrid::refuse(std::size_t line, double t_s, double expected_s, double step_s) const {
-  std::array<char, 200> text{};
-  std::snprintf(text.data(), text.size(), "time %.9g s, where steps of %.6g s lead to %.9g s", t_s, step_s, expected_s);
   throw FileError(name_,
-                  "line " + std::to_string(line) + ": " + text.data() +
+                  "line " + std::to_string(line) + ": " +
+                      formatted("time %.9g s, where steps of %.6g s lead to %.9g s", t_s, step_s, expected_s) +
                       "; samples must follow at one rate: record again, or leave the column out and give --rate");
 }
 
@@ -204,7 +203,7 @@ double TimeGrid::rate_hz() const {
 
 }  // namespace
 
-bool is_text(SoundBytes& bytes) {
+bool is_text(FileBytes& bytes) {
   std::array<std::byte, 4096> head{};
   const std::int64_t n = bytes.read(0, head);
   const auto begins = [&](unsigned a, unsigned b) {
@@ -302,9 +301,10 @@ std::vector<std::int64_t> shape_in(std::string_view text) {
 
 }  // namespace
 
-bool is_npy(SoundBytes& bytes) { return bytes.text(0, kMagic.size()) == kMagic; }
+bool is_npy(FileBytes& bytes) { return bytes.text(0, kMagic.size()) == kMagic; }
 
-PlainSound npy_sound(SoundBytes& bytes, const std::string& name, std::optional<double> rate_hz) {
+PlainSound npy_sound(FileBytes& bytes, std::optional<double> rate_hz) {
+  const std::string& name = bytes.name();
   const auto refuse = [&](const std::string& what) { throw FileError(name, what); };
   const std::string start = bytes.text(0, 12);
   const auto byte = [&](std::size_t k) { return static_cast<std::size_t>(static_cast<unsigned char>(start[k])); };

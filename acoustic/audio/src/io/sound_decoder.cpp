@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "io/sound_decoder.hpp"
+#include "io/sound_header.hpp"
 
 #include <sndfile.h>
 
@@ -20,7 +20,7 @@ constexpr std::int64_t kMostFramesPerByte = 1 << 16;
 
 /// Where libsndfile stands in the bytes that it gets, a part of a file.
 struct ByteCursor {
-  SoundBytes bytes;
+  FileBytes bytes;
   std::int64_t begin = 0, size = 0;
   std::int64_t at = 0;
   std::int64_t corrected_at = 0;  // place of bytes of the header that are wrong
@@ -111,26 +111,22 @@ std::string description_of(int format) {
 // ---- plain samples
 
 struct PlainSamples::State {
-  std::string name;
   std::int64_t n_channels, n_frames;
   ByteCursor cursor;
   SoundFile file;
   std::int64_t next_frame = 0;
 };
 
-PlainSamples::PlainSamples(SoundBytes bytes, const PlainSound& sound, std::string name)
-    : state_(new State{std::move(name),
-                       sound.info.n_channels,
-                       sound.info.n_frames,
-                       {bytes, sound.first_byte, bytes.size() - sound.first_byte},
-                       {}}) {
+PlainSamples::PlainSamples(const FileBytes& bytes, const PlainSound& sound)
+    : state_(new State{
+          sound.info.n_channels, sound.info.n_frames, {bytes, sound.first_byte, bytes.size() - sound.first_byte}, {}}) {
   SF_INFO header{};
   header.format = SF_FORMAT_RAW | sound.coding;
   header.channels = sound.info.n_channels;
   header.samplerate = static_cast<int>(sound.info.rate_hz);
   state_->file = open_sound(state_->cursor, header);
-  state_->cursor.bytes.check(state_->name);
-  if (!state_->file) throw FileError(state_->name, "cannot be read (" + reason_of_refusal() + ")");
+  state_->cursor.bytes.check();
+  if (!state_->file) throw FileError(bytes.name(), "cannot be read (" + reason_of_refusal() + ")");
 }
 
 PlainSamples::~PlainSamples() = default;
@@ -142,15 +138,15 @@ void PlainSamples::read(std::int64_t first, std::span<float> interleaved) {
   const std::int64_t n = std::ssize(interleaved) / s.n_channels;
   const std::int64_t got = std::max<std::int64_t>(0, sf_readf_float(s.file.get(), interleaved.data(), n));
   s.next_frame = first + got;
-  s.cursor.bytes.check(s.name);
-  if (got < n) throw FileError(s.name, ends_early(s.next_frame, s.n_frames));
+  s.cursor.bytes.check();
+  if (got < n) throw FileError(s.cursor.bytes.name(), ends_early(s.next_frame, s.n_frames));
 }
 
 // ---- coded sound
 
 struct SoundDecoder::State {
-  std::string name;
   ByteCursor cursor;
+  std::string name = cursor.bytes.name();
   SoundFile file{};
   SoundInfo info{};
   bool has_length = false;
@@ -168,8 +164,7 @@ struct SoundDecoder::State {
   }
 };
 
-SoundDecoder::SoundDecoder(SoundBytes bytes, std::string name)
-    : state_(new State{std::move(name), {bytes, 0, bytes.size()}}) {
+SoundDecoder::SoundDecoder(const FileBytes& bytes) : state_(new State{{bytes, 0, bytes.size()}}) {
   State& s = *state_;
   if (const auto ogg = ogg_in_wav(s.cursor.bytes)) {
     s.cursor.begin = ogg->first;
@@ -182,7 +177,7 @@ SoundDecoder::SoundDecoder(SoundBytes bytes, std::string name)
   }
   SF_INFO header{};
   s.file = open_sound(s.cursor, header);
-  s.cursor.bytes.check(s.name);
+  s.cursor.bytes.check();
   if (!s.file) throw NotForLibsndfile(s.name, reason_of_refusal());
   if (header.frames <= 0 || header.channels <= 0) throw FileError(s.name, "holds no samples; record again");
   check_rate(header.samplerate, s.name);
@@ -210,7 +205,7 @@ std::span<const float> SoundDecoder::next() {
   State& s = *state_;
   const std::int64_t got = std::max<std::int64_t>(0, sf_readf_float(s.file.get(), s.piece.data(), kFramesAtOnce));
   s.n_read += got;
-  s.cursor.bytes.check(s.name);
+  s.cursor.bytes.check();
   if (s.n_read / kMostFramesPerByte > s.cursor.size)
     throw FileError(s.name, "has more samples than any file of its length: damaged? record or copy it again");
   // an MP3 without a table of contents has no number: libsndfile estimates it by the bit rate, to a block or two

@@ -3,12 +3,16 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
+#include <mutex>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 
-#include "bouncelab/audio/audio_reader.hpp"
-#include "io/sound_bytes.hpp"
+#include "bouncelab/audio/sound_file.hpp"
+#include "bouncelab/core/error.hpp"
+#include "bouncelab/core/files.hpp"
 
 namespace bouncelab::audio {
 
@@ -32,14 +36,13 @@ std::string wrong_length(const SoundInfo& found, std::optional<double> n_promise
 
 // ---- chunks: a name, a length, the content
 
-std::uint64_t number_in(std::string_view text, bool is_big_endian = false);
+std::uint64_t number_in(std::string_view text);
 std::string bytes_of_number(std::uint64_t value, int n_bytes);
 
 /// How a format writes its chunks: as RIFF does, unless said otherwise.
 struct ChunkLayout {
   std::int64_t first_chunk = 12;  ///< in the file
   int name_bytes = 4, length_bytes = 4;
-  bool is_big_endian = false;
   bool counts_head = false;  ///< the length includes name and length
   std::int64_t alignment = 2;
 
@@ -56,7 +59,7 @@ struct Chunk {
 };
 
 /// Nothing where the file ends before the chunk's content begins.
-std::optional<Chunk> chunk_at(SoundBytes& bytes, const ChunkLayout& layout, std::int64_t at);
+std::optional<Chunk> chunk_at(FileBytes& bytes, const ChunkLayout& layout, std::int64_t at);
 
 // ---- samples
 
@@ -67,14 +70,14 @@ struct PlainSound {
   std::int64_t first_byte = 0;
 };
 
-/// The plain samples of a WAV (RIFF, RF64), W64, AIFF or AU file: integers of 8 to 32 bits, float, double. Where the
+/// The plain samples of a WAV file (RIFF, RF64) or W64: integers of 8 to 32 bits, float, double. Where the
 /// header is wrong about their length (more than the file holds: cut off, or counted wrongly; none: written to a pipe,
 /// 0 or all bits set; less than the file holds, where what follows the samples promised is no chunk but more than 4 kB
 /// of something else) what is there is taken, and info.warning says so.
 /// @return nothing where the file is of another kind, coded, or unlike what such files are
 /// @throws FileError: no samples, a sampling rate that cannot be
-/// Sources: RIFF MCI 1991; EBU Tech 3306 (RF64); AIFF 1.3.
-std::optional<PlainSound> plain_sound(SoundBytes& bytes, const std::string& name);
+/// Sources: RIFF MCI 1991; EBU Tech 3306 (RF64).
+std::optional<PlainSound> plain_sound(FileBytes& bytes);
 
 /// The length of coded samples (ADPCM, A-law ...) in a WAV file (RIFF) whose header is wrong about it, as above.
 struct CodedLength {
@@ -82,16 +85,71 @@ struct CodedLength {
   std::int64_t n_bytes = 0;            ///< what is there
   std::optional<double> n_promised{};  ///< what the header gives, in bytes; absent where that is none
 };
-std::optional<CodedLength> coded_length(SoundBytes& bytes);
+std::optional<CodedLength> coded_length(FileBytes& bytes);
 
 /// What a file holds behind the sound that is read, for people: another recording that was joined to it (cat, a
 /// recorder that pauses), a second chunk of samples. Empty: nothing.
-std::string what_follows(SoundBytes& bytes);
+std::string what_follows(FileBytes& bytes);
 
 /// Where a file of another format lies inside a WAV file: Ogg in the chunk of its samples (format tags 'Og', 1998).
 struct EmbeddedFile {
   std::int64_t first = 0, n_bytes = 0;
 };
-std::optional<EmbeddedFile> ogg_in_wav(SoundBytes& bytes);
+std::optional<EmbeddedFile> ogg_in_wav(FileBytes& bytes);
+
+/// Container and coding in words. @param format  as libsndfile numbers it
+std::string description_of(int format);
+
+/// libsndfile cannot read the file: perhaps another decoder can.
+class NotForLibsndfile : public FileError {
+ public:
+  NotForLibsndfile(const std::string& path, const std::string& reason_) : FileError(path, reason_), reason(reason_) {}
+  std::string reason;
+};
+
+/// Plain samples, read in place: libsndfile is told what they are, and sees nothing of the file's header, which may be
+/// damaged.
+class PlainSamples {
+ public:
+  PlainSamples(const FileBytes& bytes, const PlainSound& sound);
+  PlainSamples(const PlainSamples&) = delete;
+  PlainSamples& operator=(const PlainSamples&) = delete;
+  ~PlainSamples();
+
+  /// Interleaved frames from `first` on, all of them inside the sound; from any thread.
+  /// @throws FileError where the file ends early or cannot be read
+  void read(std::int64_t first, std::span<float> interleaved);
+
+ private:
+  struct State;
+  std::mutex reading_;
+  std::unique_ptr<State> state_;
+};
+
+/// Coded sound from its begin to its end: no limit on time and memory, which a damaged file may use up, so that
+/// decode_coded() runs this in a process of its own. The tests that try millions of damaged files run it as it is.
+class SoundDecoder {
+ public:
+  /// Reads the header. @throws NotForLibsndfile; FileError naming the remedy
+  explicit SoundDecoder(const FileBytes& bytes);
+  SoundDecoder(const SoundDecoder&) = delete;
+  SoundDecoder& operator=(const SoundDecoder&) = delete;
+  ~SoundDecoder();
+
+  /// n_frames as the header says, which may be wrong.
+  const SoundInfo& info() const;
+  /// Whether the header says how many frames there are.
+  bool has_length() const;
+  /// The next interleaved frames, until the next call; none at the end.
+  /// @throws FileError where samples are missing that are not the last ones, or there is no end
+  std::span<const float> next();
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// What is known once all was decoded. @param n_found  frames. @throws FileError where there are none
+void conclude(SoundInfo& info, bool has_length, std::int64_t n_found, const std::string& name);
 
 }  // namespace bouncelab::audio

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "candidates/band_energies.hpp"
+#include "candidates/candidates.hpp"
 
 #include <algorithm>
 #include <bit>
@@ -8,7 +8,6 @@
 
 #include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/elementary.hpp"
-#include "candidates/candidate_model.hpp"
 
 namespace bouncelab::detection {
 namespace {

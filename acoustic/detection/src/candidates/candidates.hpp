@@ -1,15 +1,133 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
 #include <vector>
 
-#include "bouncelab/audio/audio_reader.hpp"
+#include "bouncelab/audio/dsp.hpp"
+#include "bouncelab/audio/sound_file.hpp"
 #include "bouncelab/core/parallel.hpp"
-#include "candidates/band_energies.hpp"
-#include "candidates/candidate_model.hpp"
-#include "whitening/linear_prediction.hpp"
+#include "model_number.hpp"
+#include "whitening/whitening.hpp"
 
 namespace bouncelab::detection {
+
+/// The numbers of the search for sounds that rise (docs/detector.md, "Candidates").
+struct CandidateModel {
+  /// Least LLR: P(chi2_1 > 16) = 6e-5, half of them rises, at about 1e4 independent places a second: one in 3 s.
+  double threshold = 8.0;
+  double hop_s = 0.125e-3;
+  static constexpr std::array<std::int64_t, 3> kAfterHops{3, 12, 48};  ///< windows after a rise
+  static constexpr std::int64_t kBeforeFactor = 3;  ///< windows before it are longer: a more accurate background
+  static constexpr std::int64_t kApartHops = 4;     ///< candidates of one window
+  /// Power over that of a sound that follows at once, below which a rise is the louder one's: a codec's noise before an
+  /// attack has about 0.01, the first of two arrivals 0.2.
+  double faint = 0.03;
+  std::int64_t loud_hops = 8;  ///< over which the louder one is measured
+
+  // whether two sounds have one source, by the powers of their octaves
+  double band_window_s = 11.6e-3;  ///< before and after the rise: one cycle at the lowest frequency
+  double lowest_band_hz = 90.0;
+  float detectable = 0.3F;               ///< least addition to a power that could be detected, of that power
+  float same_scatter = 0.9F;             ///< of ln power in an octave: the place struck varies
+  float other_scatter = 2.5F;            ///< of different sources
+  float least_log_odds_of_band = -2.5F;  ///< one octave alone does not exclude a source
+  float independence = 0.5F;             ///< factor on the log odds, since octaves are correlated
+  float most_log_odds = 4.0F;
+};
+
+BOUNCELAB_MODEL CandidateModel kCandidates;
+
+constexpr int kEnergyBands = 8;  // octaves from 90 Hz on
+
+/// Energy that a sound adds in each octave to what was there before.
+struct BandEnergies {
+  std::array<float, kEnergyBands> log_power{};    ///< ln of the power added, or of the least that could be detected
+  std::array<float, kEnergyBands> added_share{};  ///< of the power added in the power before and after, 0 ... 1
+};
+
+/// Measures them: of 12 to 23 ms after a candidate against as much before it, differenced, under half a Hann window.
+class BandEnergyMeter {
+ public:
+  explicit BandEnergyMeter(double rate_hz);
+
+  /// The sound around a sample that is needed: from reach() + 1 samples before it to reach() - 1 after it.
+  std::int64_t reach() const { return static_cast<std::int64_t>(window_.size()); }
+  /// @param sound  those 2 reach() + 1 samples
+  BandEnergies measure(std::span<const float> sound) const;
+
+ private:
+  audio::RealFft fourier_;
+  std::array<std::size_t, kEnergyBands + 1> begin_;  ///< first bin of each octave
+  std::vector<float> window_;
+};
+
+/// Weights of sounds as clutter for one another: twice the probability that they have one source, 1 at most. One sound
+/// is compared with a row of others at once, since dense music has a million pairs a minute.
+class SameSource {
+ public:
+  SameSource() = default;  ///< Nothing is known: all weights are 1, as of no band energies.
+  explicit SameSource(const std::vector<BandEnergies>& band_energies);
+
+  /// Of sound k and each of the sounds first ... first + weights.size() - 1.
+  void weigh(std::size_t k, std::size_t first, std::span<float> weights) const;
+  float weight(std::size_t j, std::size_t k) const;
+  /// The same of some of the sounds.
+  SameSource of(const std::vector<std::size_t>& sounds) const;
+  /// Probability that two sounds are of one source (a ball's impacts, one voice, one pair of hands), prior 1/2, by how
+  /// far their spectra differ once their loudness is taken out: normal distributions of 4 dB an octave for one source,
+  /// of 11 dB for two. Octaves are weighted by the added shares of both. 0.02 ... 0.98.
+  float probability(std::size_t j, std::size_t k) const;
+
+ private:
+  BandEnergies operator[](std::size_t k) const;
+
+  std::size_t n_sounds_ = 0;
+  std::vector<float> power_, share_;  ///< of all sounds in the first octave, then in the second ...
+};
+
+/// A stretch of a recording: its sound, the innovations, and their running energy from hop to hop. Each sample's energy
+/// is raised by a hundredth of the quiet variance: digital silence is no background.
+class InnovationEnergy {
+ public:
+  /// @param hop        samples, > 0
+  /// @param first_hop  of the stretch, which may begin before the recording and end after it
+  InnovationEnergy(const audio::AudioSource& sound, const ArModel& model, std::int64_t hop, std::int64_t first_hop,
+                   std::int64_t n_hops);
+
+  double rate_hz() const { return rate_hz_; }
+  double quiet_variance() const { return quiet_variance_; }
+  std::int64_t hop() const { return hop_; }
+
+  double of_hops(std::int64_t from, std::int64_t to) const {
+    return running_[static_cast<std::size_t>(to - first_hop_)] - running_[static_cast<std::size_t>(from - first_hop_)];
+  }
+  /// Of samples first ... last - 1; whole hops by their running sum.
+  double of_samples(std::int64_t first, std::int64_t last) const { return before_sample(last) - before_sample(first); }
+  /// From sample to sample: out[k] = energy of samples first ... first + k - 1.
+  std::vector<double> running(std::int64_t first, std::int64_t last) const;
+  /// The recording from a sample on; 0 outside of it.
+  std::span<const float> sound(std::int64_t first, std::int64_t n) const {
+    return std::span(sound_).subspan(static_cast<std::size_t>(first - sound_first_), static_cast<std::size_t>(n));
+  }
+
+ private:
+  /// Of the samples from the first of the stretch to this one.
+  double before_sample(std::int64_t sample) const;
+
+  double rate_hz_;
+  double quiet_variance_;
+  double floor_;
+  std::int64_t hop_;
+  std::int64_t first_hop_;
+  std::int64_t sound_first_;  // from which the first innovation is predicted
+  std::vector<float> sound_;
+  std::vector<float> innovations_;
+  std::vector<double> running_{0.0};
+};
 
 /// A time at which the variance of the innovations rises: an impact, or another sound.
 struct Candidate {

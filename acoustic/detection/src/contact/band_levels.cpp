@@ -8,7 +8,6 @@
 
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/numerics.hpp"
-#include "contact/contact_model.hpp"
 
 namespace bouncelab::detection {
 namespace {

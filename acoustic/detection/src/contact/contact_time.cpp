@@ -9,45 +9,85 @@
 
 #include <Eigen/Core>
 
-#include "bouncelab/audio/dsp/kernels.hpp"
+#include "bouncelab/audio/dsp.hpp"
+#include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/numerics.hpp"
-#include "contact/contact_model.hpp"
-#include "contact/pulse_spectrum.hpp"
 
 namespace bouncelab::detection {
 namespace {
 
-ContactFit pool(const std::vector<ContactEvidence>& drops, ContactFit ContactEvidence::*pulse) {
+constexpr double kLargestArgument = 4.0;  // of the spectrum
+constexpr double kPerUnit = 512.0;
+
+/// Of Hertz's pulse, with its slope, in steps of 1 / kPerUnit.
+std::vector<PulseSpectrum> tabulated_pulse() {
+  // the trapezoidal rule over theta, s = (1 - cos theta)/2, where force ds/dtheta is smooth and periodic; the pulse is
+  // symmetric about the middle
+  constexpr int kAll = 48;
+  constexpr int kNodes = kAll / 2;
+  std::vector<double> middle_out(kNodes), weight(kNodes);
+  double total = 0.0;
+  for (int q = 0; q < kNodes; ++q) {
+    const double theta = kPi * (q + 0.5) / kAll;
+    middle_out[q] = -0.5 * cos(theta);
+    weight[q] = sin(theta) * hertz_force(0.5 + middle_out[q]);
+    total += weight[q];
+  }
+  // each node's phasor advances by its own angle from x to x: 2048 roundings
+  std::vector<double> slope_weight(kNodes), c(kNodes, 1.0), s(kNodes, 0.0), turn_c(kNodes), turn_s(kNodes);
+  for (int q = 0; q < kNodes; ++q) {
+    const double phase = 2.0 * kPi * middle_out[q];
+    weight[q] /= total;
+    slope_weight[q] = -weight[q] * phase;
+    turn_c[q] = cos(phase / kPerUnit);
+    turn_s[q] = sin(phase / kPerUnit);
+  }
+  std::vector<PulseSpectrum> table;
+  for (int k = 0; k <= static_cast<int>(kLargestArgument * kPerUnit); ++k) {
+    PulseSpectrum& at = table.emplace_back();
+    for (int q = 0; q < kNodes; ++q) {
+      at.value += weight[q] * c[q];
+      at.slope += slope_weight[q] * s[q];
+    }
+    for (int q = 0; q < kNodes; ++q) {
+      const double next_c = c[q] * turn_c[q] - s[q] * turn_s[q];
+      s[q] = c[q] * turn_s[q] + s[q] * turn_c[q];
+      c[q] = next_c;
+    }
+  }
+  return table;
+}
+
+}  // namespace
+
+PulseSpectrum pulse_spectrum(double x) {
+  static const std::vector<PulseSpectrum> table = tabulated_pulse();
+  const double place = x * kPerUnit;
+  const auto index = static_cast<std::size_t>(place);
+  if (index + 1 >= table.size()) return {};
+  const double part = place - static_cast<double>(index);
+  const PulseSpectrum &a = table[index], &b = table[index + 1];
+  return {a.value + part * (b.value - a.value), a.slope + part * (b.slope - a.slope)};
+}
+
+namespace {
+
+/// Weighted mean over drops.
+ContactFit pool(const std::vector<ContactFit>& drops) {
   ContactFit pooled;
   double weights = 0.0;
-  for (const ContactEvidence& drop : drops) {
-    const ContactFit& fit = drop.*pulse;
+  for (const ContactFit& fit : drops) {
     const double weight = 1.0 / (fit.sigma2_s2 * fit.sigma2_s2);
     weights += weight;
     pooled.tau2_s2 += weight * fit.tau2_s2;
   }
   pooled.tau2_s2 /= weights;
   double chi2 = 0.0;
-  for (const ContactEvidence& drop : drops)
-    chi2 += square(((drop.*pulse).tau2_s2 - pooled.tau2_s2) / (drop.*pulse).sigma2_s2);
+  for (const ContactFit& fit : drops) chi2 += square((fit.tau2_s2 - pooled.tau2_s2) / fit.sigma2_s2);
   const double scatter = drops.size() > 1 ? std::max(1.0, chi2 / static_cast<double>(drops.size() - 1)) : 1.0;
   pooled.sigma2_s2 = std::sqrt(scatter / weights);
   return pooled;
-}
-
-/// Probability that Hertz's pulse is the more likely one, by a paired test of the log-likelihoods over bands: a band
-/// that neither pulse explains counts once, whatever the number of impacts.
-double probability_of_hertz(const std::vector<ContactEvidence>& drops) {
-  double n = 0.0, sum = 0.0, squares = 0.0;
-  for (const ContactEvidence& drop : drops)
-    for (std::size_t m = 0; m < drop.hertz.log_likelihood.size(); ++m) {
-      const double more = drop.hertz.log_likelihood[m] - drop.half_sine.log_likelihood[m];
-      n += 1.0, sum += more, squares += more * more;
-    }
-  const double error = std::sqrt(std::max(squares - sum * sum / n, 1e-30) / (n - 1.0) * n);
-  const double z = sum / error;
-  return 0.5 * erfc(-std::copysign(std::max(0.0, std::abs(z) - kContact.least_pulse_difference), z) / std::sqrt(2.0));
 }
 
 /// Combined with the prior, where the two are compatible.
@@ -149,16 +189,15 @@ struct LevelModel {
       Values::Ones(n_impacts);  // factor >= 1 on the variance of impacts at which there was another sound too
   Values active =
       Values::Zero(n_bands);  // 1 in bands in which P is large enough for the model of the pulse to hold, else 0
-  bool is_fixed = false;      // whether active bands, weights and variances stay as they are
 };
 
-/// Sets P and its derivative at a contact time, and the active bands unless the model is fixed.
-void set_pulse(const PulseSpectrum& pulse, double tau_1_s, LevelModel& model) {
+/// Sets P and its derivative at a contact time, and the active bands.
+void set_pulse(double tau_1_s, LevelModel& model) {
   const BandLevels& l = model.levels;
   const double largest_scaling = *std::max_element(l.contact_scaling.begin(), l.contact_scaling.end());
-  for (std::size_t m = 0; m < l.f_hz.size() && !model.is_fixed; ++m) {
+  for (std::size_t m = 0; m < l.f_hz.size(); ++m) {
     const double largest = l.f_hz[m] * tau_1_s * largest_scaling;
-    const bool holds = pulse.at(largest).value > kContact.least_pulse && largest < kContact.most_argument;
+    const bool holds = pulse_spectrum(largest).value > kContact.least_pulse && largest < kContact.most_argument;
     model.active[static_cast<Eigen::Index>(m)] = holds ? 1.0 : 0.0;
   }
   for (Eigen::Index k = 0; k < model.n_impacts; ++k) {
@@ -166,7 +205,7 @@ void set_pulse(const PulseSpectrum& pulse, double tau_1_s, LevelModel& model) {
     const double half_u_over_tau = 0.5 * u / tau_1_s;
     for (Eigen::Index m = 0; m < model.n_bands; ++m) {
       const double f_hz = l.f_hz[static_cast<std::size_t>(m)];
-      const auto [value, slope] = pulse.at(f_hz * u * tau_1_s);
+      const auto [value, slope] = pulse_spectrum(f_hz * u * tau_1_s);
       const double one_over = 1.0 / std::max(value, 0.02);
       model.one_over_pulse(m, k) = one_over;
       model.dlogp_dtau2(m, k) = slope * (half_u_over_tau * f_hz * one_over);
@@ -236,11 +275,10 @@ void estimate_row_inflation(LevelModel& model) {
 }
 
 /// Residuals, the variance components in them (scatter by band, inflation by impact) and the weights that follow, with
-/// Huber's factor for residuals beyond 2.5 standard deviations; of a fixed model the residuals alone.
+/// Huber's factor for residuals beyond 2.5 standard deviations.
 /// Source: Huber, Ann. Math. Stat. 35, 73 (1964), doi:10.1214/aoms/1177703732
 void update_weights(LevelModel& model) {
   set_residuals(model);
-  if (model.is_fixed) return;
   estimate_scatter(model);
   estimate_row_inflation(model);
   for (Eigen::Index k = 0; k < model.n_impacts; ++k) {
@@ -253,7 +291,7 @@ void update_weights(LevelModel& model) {
 constexpr double kStart_s = 30e-6;   // steel on glass; the result does not depend on it
 constexpr double kMinTau_s = 5e-6;   // about which the law is linearised in tau^2
 constexpr double kMaxTau_s = 50e-3;  // a basketball's is 14 ms
-constexpr int kMaxSteps = 25;
+constexpr int kMaxPulseSteps = 25;
 constexpr int kFirstRounds = 4;  // of amplitudes and weights, which converge to a thousandth of an error
 constexpr int kLaterRounds = 2;  // from those of the last step
 constexpr int kPoolingRounds = 10;
@@ -313,32 +351,35 @@ PooledEstimate pool_bands(const BandEstimates& bands) {
   return mean;
 }
 
-/// Of normal levels, by band, with limited residuals.
-std::vector<double> log_likelihood(const LevelModel& model) {
-  Values sums = Values::Zero(model.n_bands);
-  for (Eigen::Index k = 0; k < model.n_impacts; ++k) {
-    const Values variance = model.variance(k);
-    Values log_variance = variance;
-    log_each({log_variance.data(), static_cast<std::size_t>(log_variance.size())});
-    const Values squares = model.residual.col(k).square() / variance;
-    sums -= 0.5 * (log_variance + squares.min(kContact.most_of_residual));
-  }
-  std::vector<double> by_band;
-  for (Eigen::Index m = 0; m < model.n_bands; ++m)
-    if (model.active[m] > 0.0) by_band.push_back(sums[m]);
-  return by_band;
+}  // namespace
+
+double contact_delay(double v_mps, double reference_scaling) { return 0.5 * (pow(v_mps, -0.2) - reference_scaling); }
+
+ContactLaw assumed_contact(double rms_hz) {
+  const double tau_s = kContact.duration_times_frequency / rms_hz;
+  return {tau_s, kContact.duration_sigma / rms_hz};
 }
 
-/// Gauss-Newton steps in tau_1^2.
-/// @param tau_1_s  to start from
-/// @return nothing where the bands tell less of the contact time than that it is a ball's, as where a response that
-///         noise has made negative is divided by
-std::optional<ContactFit> fit_pulse(const PulseSpectrum& pulse, double tau_1_s, LevelModel& model) {
+ContactLaw pool_contacts(const std::vector<ContactFit>& drops, const ContactLaw& assumed) {
+  if (drops.empty()) return assumed;
+  const ContactFit pooled = pool(drops);
+  ContactLaw law = law_of(with_prior(pooled, assumed));
+  law.sigma_s = hypot(law.sigma_s, kContact.shape_sigma * law.tau_1_s);
+  law.is_significant = pooled.tau2_s2 > kContact.significant * pooled.sigma2_s2;
+  return law;
+}
+
+/// Absent also where the bands tell less of the contact time than that it is a ball's, as where a response that noise
+/// has made negative is divided by.
+std::optional<ContactFit> fit_contact(const BandLevels& levels) {
+  if (levels.contact_scaling.size() < kContact.fewest_impacts || levels.f_hz.size() < kContact.fewest_bands)
+    return std::nullopt;
+  LevelModel model(levels);
   ContactFit fit;
-  for (int step = 0; step < kMaxSteps; ++step) {
-    set_pulse(pulse, tau_1_s, model);
-    const int n_rounds = model.is_fixed ? 1 : step == 0 ? kFirstRounds : kLaterRounds;
-    for (int round = 0; round < n_rounds; ++round) {
+  double tau_1_s = kStart_s;
+  for (int step = 0; step < kMaxPulseSteps; ++step) {
+    set_pulse(tau_1_s, model);
+    for (int round = 0; round < (step == 0 ? kFirstRounds : kLaterRounds); ++round) {
       fit_amplitudes(model);
       update_weights(model);
     }
@@ -346,51 +387,12 @@ std::optional<ContactFit> fit_pulse(const PulseSpectrum& pulse, double tau_1_s, 
     if (bands.step.size() < kContact.fewest_bands) return std::nullopt;
     const PooledEstimate pooled = pool_bands(bands);
     if (!std::isfinite(pooled.step) || !(pooled.sigma > 0.0 && pooled.sigma < square(kMaxTau_s))) return std::nullopt;
-    fit = {tau_1_s * tau_1_s + pooled.step, pooled.sigma, {}};
+    fit = {tau_1_s * tau_1_s + pooled.step, pooled.sigma};
     const double next_s = std::sqrt(std::max(fit.tau2_s2, kMinTau_s * kMinTau_s));
     if (std::abs(next_s * next_s - tau_1_s * tau_1_s) < 0.02 * pooled.sigma) break;
     tau_1_s = std::clamp(next_s, 0.6 * tau_1_s, 1.7 * tau_1_s);
   }
-  fit.log_likelihood = log_likelihood(model);
   return fit;
-}
-
-}  // namespace
-
-double contact_delay(double v_mps, double reference_scaling) { return 0.5 * (pow(v_mps, -0.2) - reference_scaling); }
-
-ContactLaw assumed_contact(double rms_hz) {
-  const double tau_s = kContact.duration_times_frequency / rms_hz;
-  return {tau_s, kContact.duration_sigma / rms_hz, tau_s};
-}
-
-ContactLaw pool_contacts(const std::vector<ContactEvidence>& drops, const ContactLaw& assumed) {
-  if (drops.empty()) return assumed;
-  const ContactFit pooled[] = {pool(drops, &ContactEvidence::hertz), pool(drops, &ContactEvidence::half_sine)};
-  const ContactLaw a = law_of(with_prior(pooled[0], assumed));
-  const ContactLaw b = law_of(with_prior(pooled[1], assumed));
-  const double p_hertz = probability_of_hertz(drops);
-  ContactLaw law;
-  law.tau_1_s = p_hertz * a.tau_1_s + (1.0 - p_hertz) * b.tau_1_s;
-  law.sigma_s = std::sqrt(p_hertz * a.sigma_s * a.sigma_s + (1.0 - p_hertz) * b.sigma_s * b.sigma_s +
-                          p_hertz * (1.0 - p_hertz) * square(a.tau_1_s - b.tau_1_s));
-  law.hertz_tau_1_s = a.tau_1_s;
-  law.is_significant = pooled[0].tau2_s2 > kContact.significant * pooled[0].sigma2_s2;
-  return law;
-}
-
-std::optional<ContactEvidence> fit_contact(const BandLevels& levels) {
-  if (levels.contact_scaling.size() < kContact.fewest_impacts || levels.f_hz.size() < kContact.fewest_bands)
-    return std::nullopt;
-  LevelModel model(levels);
-  const std::optional<ContactFit> hertz = fit_pulse(PulseSpectrum::hertz(), kStart_s, model);
-  if (!hertz) return std::nullopt;
-  // the likelihoods of two pulses can be compared where the levels have the same bands, weights and variances
-  model.is_fixed = true;
-  const double start_s = kContact.half_sine_over_hertz * std::sqrt(std::max(hertz->tau2_s2, kMinTau_s * kMinTau_s));
-  const std::optional<ContactFit> half_sine = fit_pulse(PulseSpectrum::half_sine(), start_s, model);
-  if (!half_sine) return std::nullopt;
-  return ContactEvidence{*hertz, *half_sine};
 }
 
 }  // namespace bouncelab::detection

@@ -1,14 +1,61 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <vector>
 
 #include "delay/timed_impact.hpp"
+#include "model_number.hpp"
 #include "template/impact_template.hpp"
-#include "whitening/white_window.hpp"
+#include "whitening/whitening.hpp"
 
 namespace bouncelab::detection {
+
+/// The numbers of the contact time (docs/detector.md, "Start of contact").
+struct ContactModel {
+  // A pulse of duration tau, half a sine, has the rms frequency 1/(2 tau). What is struck, the room and the microphone
+  // pass the higher frequencies better or worse: of steel, wood and rubber from 30 us to 6 ms, tau f is between 0.1 and
+  // 0.8.
+  double duration_times_frequency = 0.4;
+  double duration_sigma = 0.25;  ///< of it
+  double most_difference = 3.0;  ///< standard errors between that and a recording, beyond which it is dropped
+  double significant = 2.0;      ///< standard errors of tau^2: four of tau
+
+  /// Of a duration, since the pulse may not be Hertz's: half a sine of 0.87 times its length has about its spectrum.
+  double shape_sigma = 0.07;
+
+  // levels of impacts in bands
+  std::size_t fewest_impacts = 8;
+  std::size_t fewest_bands = 6;
+  std::size_t most_impacts = 192;  ///< beyond, the scatter of the levels limits the result
+  std::size_t most_bands = 60;
+  std::size_t fewest_bins = 6;       ///< a band holds a mode and not a part of one
+  std::size_t neighbours = 4;        ///< bands on either side that are smoothed over
+  double least_speed = 0.125;        ///< of the fastest impact; the ringing of others is louder than slower ones
+  double least_template_snr = 30.0;  ///< energy of the template over that of the noise left in it
+  double same_impact_s = 1e-3;
+  double least_pulse = 0.25;      ///< of P; near its first zero the model of the pulse does not hold
+  double most_argument = 1.5;     ///< f tau: beyond lie the pulse's side lobes
+  double least_scatter = 0.03;    ///< of a level, relative; less than any ball has
+  double huber = 2.5;             ///< Huber's threshold [standard deviations]
+  double most_of_residual = 9.0;  ///< square of one, in variances
+  double most_of_square = 100.0;  ///< of one residual, in variances
+  double typical = 1.3;           ///< mean of squares that noise alone hardly exceeds
+  double inflation_prior = 4.0;   ///< weight of an inflation of 1, in bands
+};
+
+BOUNCELAB_MODEL ContactModel kContact;
+
+/// Spectrum P(x) of the force pulse of an elastic sphere on a half-space (Johnson, Contact Mechanics (1985), 11.4)
+/// about its middle, x = frequency times duration, P(0) = 1. The sound of an impact is that of an impulse multiplied by
+/// it: longer contacts have less at high frequencies.
+struct PulseSpectrum {
+  double value = 0.0;
+  double slope = 0.0;
+};
+/// P(x) and P'(x) for x >= 0, by linear interpolation in steps of 1/512: to 1e-5. Beyond x = 4 both are 0.
+PulseSpectrum pulse_spectrum(double x);
 
 /// Amplitude of each band of the template in each of a drop's impacts.
 struct BandLevels {
@@ -25,26 +72,17 @@ struct BandLevels {
 /// @param impacts  with known speeds
 BandLevels measure_levels(WhiteSound& white, const ImpactTemplate& learned, const std::vector<TimedImpact>& impacts);
 
-/// Duration of contact at 1 m/s under one shape of the force pulse, as its square: ln P is linear in (f tau)^2 for
-/// small f tau, so that tau^2 is estimated with an error that does not depend on it; it may be negative where the error
-/// is large.
+/// Duration of contact at 1 m/s by the impacts of one drop, as its square: ln P is linear in (f tau)^2 for small f tau,
+/// so that tau^2 is estimated with an error that does not depend on it; it may be negative where the error is large.
 struct ContactFit {
   double tau2_s2 = 0.0;
-  double sigma2_s2 = 0.0;              ///< standard error of tau2_s2
-  std::vector<double> log_likelihood;  ///< by band, up to constants that all pulses share
-};
-
-/// Contact time by the impacts of one drop.
-struct ContactEvidence {
-  ContactFit hertz;
-  ContactFit half_sine;
+  double sigma2_s2 = 0.0;  ///< standard error of tau2_s2
 };
 
 /// Duration of contact tau = tau_1 v^(-1/5) (Hertz).
 struct ContactLaw {
   double tau_1_s = 0.0;         ///< at 1 m/s
   double sigma_s = 0.0;         ///< its standard error
-  double hertz_tau_1_s = 0.0;   ///< under Hertz's pulse alone
   bool is_significant = false;  ///< the recording alone gives it at four standard errors
 };
 
@@ -59,19 +97,18 @@ double contact_delay(double v_mps, double reference_scaling);
 ///   level_km = c_k h_m P(f_m tau_1 u_k) (1 + scatter) + noise,   u_k = v_k^(-1/5)
 ///
 /// with an amplitude c_k for each impact and a response h_m for each band, by Gauss-Newton steps from
-/// tau_1 = 30 us (steel on glass), with Hertz's pulse and with a half-sine. tau_1 is estimated per band and pooled; the
-/// between-band scatter sets weights and error, so that a mode whose level drifts with the place struck counts once and
-/// not once an impact. Absent with fewer than eight impacts or six usable bands.
-std::optional<ContactEvidence> fit_contact(const BandLevels& levels);
+/// tau_1 = 30 us (steel on glass). tau_1 is estimated per band and pooled; the between-band scatter sets weights and
+/// error, so that a mode whose level drifts with the place struck counts once and not once an impact. Absent with fewer
+/// than eight impacts or six usable bands.
+std::optional<ContactFit> fit_contact(const BandLevels& levels);
 
 /// The contact law that the frequencies of a sound suggest: (0.4 +- 0.25) / rms_hz, since a pulse of force of duration
 /// tau has the rms frequency 1 / (2 tau) and what it strikes answers to a part of it.
 /// @param rms_hz  root mean square frequency of the impacts as recorded (recorded_rms_frequency); positive
 ContactLaw assumed_contact(double rms_hz);
 
-/// One ball, one law: the weighted mean over drops under each pulse, combined with the assumed one, unless the two
-/// differ by more than three standard errors; then the mean of the two pulses, weighted by their probabilities. The
-/// assumed one where there is no evidence.
-ContactLaw pool_contacts(const std::vector<ContactEvidence>& drops, const ContactLaw& assumed);
+/// One ball, one law: the weighted mean over drops, combined with the assumed one, unless the two differ by more than
+/// three standard errors. The assumed one where there is no drop.
+ContactLaw pool_contacts(const std::vector<ContactFit>& drops, const ContactLaw& assumed);
 
 }  // namespace bouncelab::detection

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "delay/delay_posterior.hpp"
+#include "delay/track_timer.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -9,12 +9,12 @@
 
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/numerics.hpp"
-#include "delay/delay_model.hpp"
+#include "delay/timed_impact.hpp"
 
 namespace bouncelab::detection {
 namespace {
 
-constexpr int kRounds = 3;
+constexpr int kPosteriorRounds = 3;
 constexpr double kDisordered = 1e-100;  // density of times that do not increase
 
 using TimedImpacts = std::vector<TimedImpact>;
@@ -182,7 +182,7 @@ std::vector<ExpectedLogEps> expected_log_eps(const TimedImpacts& track, const st
     if (near.size() < 3) continue;
     expected[k].centre = upper_median(std::move(near));
     expected[k].width =
-        std::max(kDelay.least_scatter, 1.4826 * upper_median(around(k, kDelay.scatter_reach, expected[k].centre)));
+        std::max(kDelay.least_scatter, kSdOverMad * upper_median(around(k, kDelay.scatter_reach, expected[k].centre)));
   }
   return expected;
 }
@@ -211,7 +211,7 @@ std::vector<HypothesisProbabilities> delay_posterior(const TimedImpacts& track) 
   for (const TimedImpact& impact : track) t_s.push_back(impact.fit.t_s);
   RisePrior prior;
   std::vector<HypothesisProbabilities> posterior;
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < kPosteriorRounds; ++round) {
     posterior = track.size() < kDelay.fewest_impacts ? posterior_by_sound(track, prior)
                                                      : chain_posterior(track, expected_log_eps(track, t_s), prior);
     for (std::size_t k = 0; k < track.size(); ++k) t_s[k] = hypothesis_time(track[k], most_probable(posterior[k]));

@@ -7,9 +7,8 @@
 #include <optional>
 
 #include "bouncelab/core/elementary.hpp"
-#include "delay/delay_model.hpp"
-#include "delay/delay_posterior.hpp"
-#include "tracking/impact_odds.hpp"
+#include "delay/timed_impact.hpp"
+#include "tracking/tracker.hpp"
 #include "tracking/tracking_model.hpp"
 
 namespace bouncelab::detection {

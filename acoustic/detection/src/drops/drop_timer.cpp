@@ -7,13 +7,11 @@
 #include <cstdint>
 #include <map>
 
-#include "bouncelab/audio/dsp/kernels.hpp"
+#include "bouncelab/audio/dsp.hpp"
 #include "bouncelab/core/elementary.hpp"
-#include "contact/pulse_spectrum.hpp"
+#include "contact/contact_time.hpp"
 #include "delay/impact_timer.hpp"
-#include "delay/ringing.hpp"
 #include "delay/track_timer.hpp"
-#include "drops/drops_model.hpp"
 
 namespace bouncelab::detection {
 namespace {
@@ -28,7 +26,7 @@ audio::Spectrum template_at_speed(const MatchedFilter& filter, double rate_hz, d
   if (!(tau_1_s > 0.0) || !(scaling > 0.0) || !(template_scaling > 0.0)) return w;
   const double bin_hz = rate_hz / static_cast<double>(filter.n_window());
   const auto pulse_at = [&](std::size_t bin, double step) {
-    return static_cast<float>(PulseSpectrum::hertz().at(static_cast<double>(bin) * step).value);
+    return static_cast<float>(pulse_spectrum(static_cast<double>(bin) * step).value);
   };
   const auto least = static_cast<float>(kDrops.least_pulse);
   float ratio = 1.0F;
@@ -74,7 +72,7 @@ bool separate_overlaps(WhiteSound& white, const ImpactTemplate& learned, const C
   std::vector<audio::Spectrum> waves;
   for (const TimedImpact& impact : impacts) {
     const double scaling = impact.v_mps > 0.0 ? pow(impact.v_mps, -0.2) : 0.0;
-    waves.push_back(template_at_speed(learned.filter, rate_hz, law.hertz_tau_1_s, scaling, template_scaling));
+    waves.push_back(template_at_speed(learned.filter, rate_hz, law.tau_1_s, scaling, template_scaling));
     ringing.add(impact.fit.t_s, impact.fit.amplitude, waves.back());
   }
   for (int round = 0; round < kMaxRounds; ++round) {
@@ -223,7 +221,7 @@ TimedDrop time_drop(const BandOfDrops& band, const Track& track, const ImpactTem
   }
   drop.contact = fit_contact(measure_levels(white, *learned, clear));
   drop.reference_scaling = scaling_of_strongest(clear.empty() ? all : clear);
-  std::vector<ContactEvidence> evidence;
+  std::vector<ContactFit> evidence;
   if (drop.contact) evidence.push_back(*drop.contact);
   const ContactLaw law = pool_contacts(evidence, assumed_contact(*drop.rms_hz));
   if (separate_overlaps(white, *learned, law, drop.reference_scaling, drop.impacts))

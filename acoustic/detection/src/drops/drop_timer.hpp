@@ -2,20 +2,40 @@
 #pragma once
 
 #include <cmath>
+#include <cstddef>
 #include <optional>
+#include <string>
 #include <vector>
 
-#include "bouncelab/audio/audio_reader.hpp"
+#include "bouncelab/audio/sound_file.hpp"
 #include "bouncelab/detection/detect.hpp"
 #include "candidates/candidates.hpp"
 #include "contact/contact_time.hpp"
 #include "delay/timed_impact.hpp"
+#include "model_number.hpp"
 #include "template/impact_template.hpp"
 #include "tracking/tracker.hpp"
-#include "whitening/linear_prediction.hpp"
-#include "whitening/white_window.hpp"
+#include "whitening/whitening.hpp"
 
 namespace bouncelab::detection {
+
+/// The numbers of drops, of their overlapping impacts and of the bands they are timed in (docs/detector.md, "Times").
+struct DropsModel {
+  double sigma_of_reach = 0.25;   ///< standard error of a candidate's time over its reach, where there is no template
+  std::size_t own_template = 12;  ///< impacts from which a drop has a template of its own, with noise 11 dB down
+  double little_move = 0.2;       ///< standard errors, by which the last round of a separation moves no impact
+  double least_pulse = 0.1;       ///< of P; near its first zero the ratio of two pulses is undetermined
+  double clearly_less = 0.5;      ///< of the error in a low band, which a whole band's must be to be taken
+
+  // impacts of a drop that only another band shows
+  std::size_t fewest_shared = 5;   ///< impacts that both bands have
+  double most_delay_s = 8e-3;      ///< of one band's times against another's: a quarter of a cycle at 30 Hz
+  double same_of_interval = 0.25;  ///< nearer to an impact than that part of the intervals beside it is the same one
+  std::size_t nearest_shared = 9;  ///< that give the delay
+  double least_of_flight = 0.5;    ///< nearer to its neighbours than that is another place of theirs
+};
+
+BOUNCELAB_MODEL DropsModel kDrops;
 
 /// The values beyond which a converter or an amplifier gives none, full scale or less.
 struct ClippingLimits {
@@ -49,7 +69,7 @@ struct BandOfDrops {
 struct TimedDrop {
   std::vector<TimedImpact> impacts;
   std::optional<double> peak;  ///< of the template as recorded; absent where the drop was timed without template
-  std::optional<ContactEvidence> contact;
+  std::optional<ContactFit> contact;
   double reference_scaling = 0.0;   ///< v^(-1/5) of its strongest impacts
   double correlation = 0.0;         ///< of its template with the impacts
   std::optional<LearnedWave> wave;  ///< its template as recorded
@@ -74,15 +94,47 @@ void set_speeds(double gravity_mps2, std::vector<TimedImpact>& impacts);
 /// Marks the impacts at which the recording is at its limit.
 void mark_clipped(const BandOfDrops& band, std::vector<TimedImpact>& impacts);
 
-/// Joint estimation of impacts whose sounds overlap: the amplitudes of all by linear least squares (ringing.hpp), then
+/// Joint estimation of impacts whose sounds overlap: the amplitudes of all by linear least squares (Ringing), then
 /// the time of each flagged one with the sound of the others subtracted; in turns, until none moves by a fifth of its
 /// standard error. Slow impacts have longer contacts than those of the template and so fewer high frequencies: each is
 /// compared with the template times P(f tau_1 u) / P(f tau_1 u_0), P the spectrum of Hertz's pulse, u = v^(-1/5).
-/// @param law               hertz_tau_1_s 0 = the template as it is
+/// @param law               tau_1_s 0 = the template as it is
 /// @param template_scaling  u_0, v^(-1/5) of the impacts that the template is the mean of
 /// @param impacts           of one track, in time order; v_mps 0 = the template as it is
 /// @return whether there were any
 bool separate_overlaps(WhiteSound& white, const ImpactTemplate& learned, const ContactLaw& law, double template_scaling,
                        std::vector<TimedImpact>& impacts);
+
+/// Adds to a drop the impacts that only another band of the same sound shows: one band may hide in echoes, in clutter
+/// or in a codec's noise what another shows, above all at the end of a drop, and which of them was selected says
+/// nothing of the ball.
+///
+/// The two are the same drop where they share five impacts and half of those of the shorter one. Impacts of the other
+/// band whose numbers the drop lacks are added, with times moved by the median difference of the nine nearest shared
+/// impacts, whose error enters `sigma_s`; where the two bands number the shared impacts on either side differently,
+/// none is. What the other band has by prediction alone is added only where its template explains half of the impacts'
+/// energy and that of the drop does not, which else would have shown it. Sets no speeds.
+/// @param begin_s, end_s  the last impact of the drop before and the first of the next one: none is added beyond
+/// @return how many were added
+std::size_t add_impacts_of_other_band(const TimedDrop& other, double begin_s, double end_s, TimedDrop& drop);
+
+struct TimedRecording {
+  Onsets onsets;
+  std::optional<LearnedWave> wave;  ///< of the longest track
+  bool is_full_band = true;  ///< timed in the sound as recorded, though the impacts may have been found in a band
+  std::optional<double> contact_time_at_1_mps_s;
+  std::optional<double> contact_time_sigma_s;
+};
+
+/// Times all tracks. Each of a dozen impacts or more has a template of its own, since each drop strikes the plate at
+/// another place; shorter ones share that of the recording. What was found in a low band is timed in the whole sound
+/// where that halves the errors. The contact-time law is pooled over all drops: one ball.
+/// What other bands show of the same drops is added (add_impacts_of_other_band).
+/// @param band         the one that was selected
+/// @param other_bands  of the same sound, with tracks of their own
+/// @param n_threads    that time tracks; the bands' sounds may be read by so many
+/// @param name         goes into the column `recording`
+TimedRecording time_recording(const BandOfDrops& band, const std::vector<BandOfDrops>& other_bands, double gravity_mps2,
+                              int n_threads, const std::string& name);
 
 }  // namespace bouncelab::detection

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "drops/recording_timer.hpp"
+#include "drops/drop_timer.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -10,10 +10,9 @@
 #include "bouncelab/core/numerics.hpp"
 #include "bouncelab/core/parallel.hpp"
 #include "contact/contact_time.hpp"
-#include "delay/delay_model.hpp"
-#include "drops/drops_model.hpp"
-#include "tracking/impact_odds.hpp"
-#include "whitening/linear_prediction.hpp"
+#include "delay/timed_impact.hpp"
+#include "tracking/tracker.hpp"
+#include "whitening/whitening.hpp"
 
 namespace bouncelab::detection {
 namespace {
@@ -83,8 +82,8 @@ Transfer transfer_at(const std::vector<Shared>& shared, std::size_t next, const 
   Transfer transfer;
   transfer.later_s = upper_median(later_s);
   for (const double s : later_s) off_s.push_back(std::abs(s - transfer.later_s));
-  constexpr double kToSigma = 1.4826, kOfMedian = 1.2533;  // of a normal distribution
-  transfer.sigma_s = kToSigma * kOfMedian * upper_median(std::move(off_s)) / std::sqrt(static_cast<double>(n));
+  constexpr double kOfMedian = 1.2533;  // of a normal distribution
+  transfer.sigma_s = kSdOverMad * kOfMedian * upper_median(std::move(off_s)) / std::sqrt(static_cast<double>(n));
   if (!gain.empty()) transfer.gain = upper_median(std::move(gain));
   return transfer;
 }
@@ -196,7 +195,7 @@ TimedDrops time_tracks(const BandOfDrops& band, double gravity_mps2, int n_threa
 std::optional<ContactLaw> contact_law_of(const TimedDrops& timed) {
   const std::optional<double> rms_hz = timed.rms_hz();
   if (!rms_hz) return std::nullopt;
-  std::vector<ContactEvidence> evidence;
+  std::vector<ContactFit> evidence;
   for (const TimedDrop& drop : timed.drops)
     if (drop.contact) evidence.push_back(*drop.contact);
   return pool_contacts(evidence, assumed_contact(*rms_hz));

@@ -6,7 +6,7 @@
 
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/files.hpp"
-#include "whitening/decimate.hpp"
+#include "whitening/whitening.hpp"
 
 namespace bouncelab::detection {
 namespace {

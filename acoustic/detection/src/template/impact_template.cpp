@@ -8,11 +8,10 @@
 #include <span>
 #include <utility>
 
-#include "bouncelab/audio/dsp/kernels.hpp"
+#include "bouncelab/audio/dsp.hpp"
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/numerics.hpp"
-#include "template/template_model.hpp"
-#include "template/template_search.hpp"
+#include "template/subband_delay.hpp"
 
 namespace bouncelab::detection {
 namespace {
@@ -65,16 +64,14 @@ double delay_of_phase2(const MatchedFilter& filter, const Subbands& subbands, st
   return filter.energy(subbands, j) / (filter.information(subbands, j) + 1e-30);
 }
 
-/// Phases vary about alike at all frequencies: each sub-band's jitter is shrunk towards the median phase variance.
-void shrink_to_median(const MatchedFilter& filter, double n_impacts, Subbands& subbands) {
+/// Phases vary about alike at all frequencies: no sub-band's jitter is less than half of the median phase variance.
+void raise_to_half_of_median(const MatchedFilter& filter, Subbands& subbands) {
   const std::size_t n = subbands.n();
   std::vector<double> phase2(n);
   for (std::size_t j = 0; j < n; ++j) phase2[j] = subbands.jitter2[j] / (delay_of_phase2(filter, subbands, j) + 1e-30);
-  const double median = upper_median(phase2);
+  const double least = kTemplate.least_of_median * upper_median(std::move(phase2));
   for (std::size_t j = 0; j < n; ++j)
-    subbands.jitter2[j] =
-        (n_impacts * std::max(phase2[j], kTemplate.least_of_median * median) + kTemplate.prior_impacts * median) /
-        (n_impacts + kTemplate.prior_impacts) * delay_of_phase2(filter, subbands, j);
+    subbands.jitter2[j] = std::max(subbands.jitter2[j], least * delay_of_phase2(filter, subbands, j));
 }
 
 bool have_settled(const std::vector<double>& before, const std::vector<double>& after) {
@@ -102,9 +99,9 @@ std::vector<std::vector<float>> residuals_of(TemplateEstimation& e) {
 }
 
 /// Sets the jitter variance of each sub-band by variance components: the squared deviations from the mean, corrected
-/// for what the mean follows, minus those that noise explains. Each jitter is shrunk towards the median phase variance
-/// of all sub-bands, since the deviations of one that dominates the mean are small whatever its jitter. Leaves all as
-/// it is with fewer than three estimates or two sub-bands.
+/// for what the mean follows, minus those that noise explains; at least half of the median phase variance of all
+/// sub-bands, since the deviations of one that dominates the mean are small whatever its jitter. Leaves all as it is
+/// with fewer than three estimates or two sub-bands.
 /// @param estimates  of many impacts of one recording
 /// @param filter     that of the estimates
 void estimate_jitter(const std::vector<DelayEstimate>& estimates, const MatchedFilter& filter, Subbands& subbands) {
@@ -123,7 +120,7 @@ void estimate_jitter(const std::vector<DelayEstimate>& estimates, const MatchedF
     }
     const std::vector<double> before = subbands.jitter2;
     for (std::size_t j = 0; j < n; ++j) subbands.jitter2[j] = jitter_of(squares[j], noise[j]);
-    shrink_to_median(filter, static_cast<double>(estimates.size()), subbands);
+    raise_to_half_of_median(filter, subbands);
     if (have_settled(before, subbands.jitter2)) break;
   }
 }
@@ -200,8 +197,7 @@ void add_unexplained_jitter(TemplateEstimation& e, double quiet) {
   const MatchedFilter& filter = e.learned.filter;
   Subbands& subbands = e.learned.subbands;
   for (std::size_t j = 0; j < subbands.n(); ++j)
-    subbands.jitter2[j] =
-        std::max(subbands.jitter2[j], phase2 * filter.energy(subbands, j) / (filter.information(subbands, j) + 1e-30));
+    subbands.jitter2[j] = std::max(subbands.jitter2[j], phase2 * delay_of_phase2(filter, subbands, j));
 }
 
 constexpr std::size_t kMaxShown = 12;  // impacts that the wave is the mean of

@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "bouncelab/core/elementary.hpp"
-#include "template/template_model.hpp"
 
 namespace bouncelab::detection {
 namespace {

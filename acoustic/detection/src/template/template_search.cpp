@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "template/template_search.hpp"
+#include "template/impact_template.hpp"
 
 #include <algorithm>
 #include <bit>
@@ -8,11 +8,10 @@
 #include <span>
 #include <utility>
 
-#include "bouncelab/audio/dsp/kernels.hpp"
-#include "bouncelab/audio/dsp/real_fft.hpp"
+#include "bouncelab/audio/dsp.hpp"
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/numerics.hpp"
-#include "template/template_model.hpp"
+#include "template/subband_delay.hpp"
 
 namespace bouncelab::detection {
 namespace {
@@ -157,19 +156,6 @@ double power_of(const audio::Spectrum& spectrum, std::size_t n_bins) {
   return audio::dot(re, re) + audio::dot(im, im);
 }
 
-/// From the first sample of a window to where it should begin: what a codec lets sound before an attack, and the soft
-/// beginning of a soft ball's, may be taken for the impact. The attack is where a fifth of the energy has come.
-std::int64_t samples_to_attack(const TemplateEstimation& e, std::int64_t first) {
-  std::vector<float> x(e.fourier.size());
-  e.white->read(e.learned.whitener, first, x);
-  const double enough = kTemplate.attack_share * audio::dot(x, x);
-  double sum = 0.0;
-  std::size_t n = 0;
-  while (n + 1 < x.size() && sum < enough) sum += square(static_cast<double>(x[n++]));
-  const std::int64_t late = static_cast<std::int64_t>(n) - e.samples(kTemplate.lead_s);
-  return late > e.samples(kTemplate.rough_time_error_s) ? late : 0;
-}
-
 /// A sum of impacts over its weight, with tapered ends, 0 before and after the template.
 audio::Spectrum tapered(TemplateEstimation& e, const audio::Spectrum& sum, double weight) {
   e.mean = e.fourier.inverse(sum);
@@ -187,10 +173,9 @@ void set_template(TemplateEstimation& e, audio::Spectrum spectrum) {
 
 /// The template that starts from one impact. Low frequencies are aligned by first: they have one maximum where high
 /// ones have many, and a codec keeps their phases, but gives high ones phases of its own.
-void start_from(TemplateEstimation& e, std::size_t start, bool at_attacks) {
+void start_from(TemplateEstimation& e, std::size_t start) {
   e.training.assign(e.begins.size(), {});
-  for (std::size_t k = 0; k < e.begins.size(); ++k)
-    cut_training_window(e, e.begins[k] + (at_attacks ? samples_to_attack(e, e.begins[k]) : 0), e.training[k]);
+  for (std::size_t k = 0; k < e.begins.size(); ++k) cut_training_window(e, e.begins[k], e.training[k]);
   e.learned.subbands = {};
   e.only_lower_half = true;
   set_template(e, tapered(e, e.training[start].spectrum, 1.0));
@@ -289,15 +274,11 @@ std::vector<float> residual_of(TemplateEstimation& e, const TrainingImpact& impa
 
 void find_template(TemplateEstimation& e) {
   TemplateEstimation best = e;
-  for (const bool at_attacks : {false, true})
-    for (std::size_t start = 0; start < std::min(kTemplate.most_starts, e.begins.size()); ++start) {
-      start_from(e, start, at_attacks);
-      if (best.training.empty() || n_alike(e.training) > n_alike(best.training)) best = e;
-      if (4 * n_alike(best.training) >= 3 * std::ssize(best.training)) {
-        e = std::move(best);
-        return;
-      }
-    }
+  for (std::size_t start = 0; start < std::min(kTemplate.most_starts, e.begins.size()); ++start) {
+    start_from(e, start);
+    if (best.training.empty() || n_alike(e.training) > n_alike(best.training)) best = e;
+    if (4 * n_alike(best.training) >= 3 * std::ssize(best.training)) break;
+  }
   e = std::move(best);
 }
 

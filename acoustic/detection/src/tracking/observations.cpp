@@ -2,12 +2,81 @@
 #include "tracking/observations.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
+#include <numbers>
 
 #include "bouncelab/core/elementary.hpp"
-#include "candidates/candidate_model.hpp"
+#include "candidates/candidates.hpp"
 
 namespace bouncelab::detection {
+namespace {
+
+/// The nearest octave: that below sqrt(2) times as much.
+int window_octave(double flight_s) {
+  return std::clamp(std::ilogb(2.0 * std::numbers::sqrt2 / kSmallestReach_s * flight_s), 0, kWindowOctaves - 1);
+}
+
+constexpr double reach_s(int octave) { return kSmallestReach_s * static_cast<double>(1 << octave); }
+
+/// 1 + 1/2 + ... + 1/n, between whole n as its asymptotic series; n >= 1.
+double harmonic(double n) { return log(n) + 0.5772 + 0.5 / n; }
+
+}  // namespace
+
+Neighbours count_neighbours(std::size_t k, const std::vector<Candidate>& c, std::span<const double> log_amplitude,
+                            const SameSource& same_source, const std::vector<std::size_t>& not_counted) {
+  std::size_t first = k, end = k + 1;
+  while (first > 0 && c[k].t_s - c[first - 1].t_s <= kLargestReach_s) --first;
+  while (end < c.size() && c[end].t_s - c[k].t_s <= kLargestReach_s) ++end;
+  std::vector<float> shares(end - first);
+  same_source.weigh(k, first, shares);
+  for (auto j = std::lower_bound(not_counted.begin(), not_counted.end(), first); j != not_counted.end() && *j < end;
+       ++j)
+    shares[*j - first] = 0.0F;
+  shares[k - first] = 1.0F;
+  Neighbours n;
+  int octave = kWindowOctaves - 1;
+  for (std::size_t j = first; j < end; ++j) {
+    const double apart_s = std::abs(c[j].t_s - c[k].t_s);
+    while (octave > 0 && apart_s <= reach_s(octave - 1)) --octave;  // up to k
+    while (apart_s > reach_s(octave)) ++octave;                     // behind it
+    const float share = shares[j - first];
+    n.density[octave] += share * static_cast<float>(amplitude_kernel(log_amplitude[j] - log_amplitude[k]));
+    n.all += share;
+    n.stronger += log_amplitude[j] >= log_amplitude[k] ? share : 0.0F;
+  }
+  for (octave = 1; octave < kWindowOctaves; ++octave) n.density[octave] += n.density[octave - 1];
+  return n;
+}
+
+double clutter_window_s(double flight_s) { return reach_s(window_octave(flight_s)); }
+
+double clutter_intensity(const Neighbours& neighbours, double flight_s, double own) {
+  const int octave = window_octave(flight_s);
+  const double itself = amplitude_kernel(0.0);
+  // where all others are the track's own, none is left
+  const double density = std::max(0.0, neighbours.density[octave] - itself - own) + kTracking.unseen * itself;
+  return density / (2.0 * reach_s(octave));
+}
+
+double clutter_intensity(const Neighbours& neighbours, double flight_s) {
+  const int octave = window_octave(flight_s);
+  const double itself = amplitude_kernel(0.0), prior = kTracking.unseen * itself;
+  const auto others = [&](int o) { return std::max(0.0, neighbours.density[o] - itself); };
+  const double around_s = neighbours.around_s;
+  const double around = (others(kWindowOctaves - 1) + prior) / around_s;
+  return (others(octave) + prior) / (std::min(2.0 * reach_s(octave), around_s) + prior / around);
+}
+
+double least_clutter_intensity(double flight_s) {
+  return kTracking.unseen * amplitude_kernel(0.0) / (2.0 * clutter_window_s(flight_s));
+}
+
+double log_odds_against_first(const Neighbours& neighbours) {
+  return log(neighbours.stronger * harmonic(std::max(1.0F, neighbours.all)));
+}
+
 namespace {
 
 constexpr int kRounds = 3;

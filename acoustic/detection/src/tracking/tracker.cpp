@@ -5,11 +5,9 @@
 #include <utility>
 
 #include "bouncelab/core/elementary.hpp"
-#include "tracking/densities.hpp"
 #include "tracking/hypothesis.hpp"
-#include "tracking/impact_odds.hpp"
 #include "tracking/observations.hpp"
-#include "tracking/rescoring.hpp"
+#include "tracking/tracking_model.hpp"
 
 namespace bouncelab::detection {
 namespace {

@@ -2,12 +2,13 @@
 #pragma once
 
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <vector>
 
-#include "candidates/band_energies.hpp"
 #include "candidates/candidates.hpp"
+#include "tracking/observations.hpp"
 #include "tracking/tracking_model.hpp"
 
 namespace bouncelab::detection {
@@ -16,7 +17,7 @@ namespace bouncelab::detection {
 struct TrackImpact {
   std::size_t candidate = 0;  ///< index into the candidates
   std::int64_t impact = 0;    ///< number within the track; jumps where an impact was not detected
-  double probability = 1.0;   ///< that it is one of the ball's, given that the track is a ball's (impact_odds.hpp)
+  double probability = 1.0;   ///< that it is one of the ball's, given that the track is a ball's
 };
 
 /// One drop: the candidates that are the impacts of one ball.
@@ -35,7 +36,7 @@ std::optional<double> eps_at(const std::vector<Candidate>& candidates, const Tra
 /// doi:10.1109/TAC.1979.1102177; Blackman & Popoli 1999) of a bouncing ball in clutter, by a beam search over
 /// hypotheses (hypothesis.hpp), each impact of which may be followed by up to kMostMissing that were not detected. Each
 /// track is then scored anew without its own sounds among the clutter and weighed by how often balls are dropped in the
-/// recording (rescoring.hpp); those of even odds at least are left.
+/// recording (weigh_by_drop_rate); those of even odds at least are left.
 /// @param timing_s     error of the candidates' times, standard deviation [s]; where only a longer window noticed
 ///                        one, 0.15 of that window
 /// @param same_source  which of the candidates may have one source
@@ -44,5 +45,55 @@ std::optional<double> eps_at(const std::vector<Candidate>& candidates, const Tra
 std::vector<Track> find_tracks(const std::vector<Candidate>& candidates, double timing_s,
                                const SameSource& same_source = {}, double duration_s = HUGE_VAL,
                                std::optional<double> elastic_flight_s = {});
+
+/// A track's own sounds, with what it explains not counted among their neighbours.
+struct OwnSounds {
+  std::vector<std::size_t> candidates;  ///< indices, rising
+  std::vector<std::size_t> explained;   ///< these and their echoes, rising
+  std::vector<Observation> seen;        ///< of each
+  std::vector<double> same_source;      ///< weight of one source of each and the next
+};
+
+OwnSounds own_sounds(const Observations& observations, const Track& track);
+
+/// The tracks once more, now that the balls are known: which observation each begins with, and its log odds with its
+/// own sounds and their echoes not counted as clutter. What a surer track has claimed since is no other's.
+/// @param tracks  one after the other in time
+std::vector<Track> rescored(const Observations& observations, std::vector<Track> tracks);
+
+/// Weighs tracks by how often balls are dropped in their recording, which is not known: the rate lies between about one
+/// drop in the whole recording and TrackingModel::start_log_odds, every order of magnitude as probable as another
+/// (Jeffreys 1946, doi:10.1098/rspa.1946.0056), and the other tracks tell. So a random row of sounds in an hour of
+/// music needs better reasons than three knocks in a clip of three seconds, and many drops speak for each other.
+/// @param candidates  of the recording; time without them offers no chance
+/// @param tracks      with log odds for the largest rate; they are lowered
+void weigh_by_drop_rate(const std::vector<Candidate>& candidates, std::vector<Track>& tracks);
+
+/// Sets the probability of each impact of a track to be one of the ball's, given that the track is that of a ball.
+///
+/// The track is weighed against its nearest others, each by the score of a hypothesis (hypothesis.hpp) over the few
+/// impacts in which the two differ:
+///
+/// - without the impact, which then is clutter, while the ball's own was not detected;
+/// - with another candidate in its place;
+/// - ended before it; begun after it.
+///
+///   p = sum of the weights of those with the impact / sum of all weights
+void set_impact_probabilities(const Observations& observations, Track& track);
+
+/// Probability of an impact found where its track predicts one, from its significance. There either is an impact, whose
+/// log likelihood ratio may be any, or the largest of n_places squared normals is taken for one, odds of exp(LLR) /
+/// n_places, or another sound that no candidate stands for, at odds of kTracking.other_sound.
+/// @param llr       over the variance of noise and unexplained sound there
+/// @param n_places  independent ones of the search, > 0
+double probability_of_inferred(double llr, double n_places);
+
+/// Whether there is a candidate within its reach of a time. An inferred impact there has the probability
+/// kTracking.refused: the candidate was weighed in the search for tracks, and left out.
+bool is_at_candidate(const std::vector<Candidate>& candidates, double t_s);
+
+/// p(a mark is an impact of this ball) = p(track) p(impact | track), to six decimals.
+/// @param log_odds  of the track
+double probability_of_mark(double log_odds, double of_impact);
 
 }  // namespace bouncelab::detection

@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <numeric>
 
-#include "bouncelab/audio/dsp/kernels.hpp"
+#include "bouncelab/audio/dsp.hpp"
 #include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/numerics.hpp"
@@ -18,7 +18,7 @@ namespace {
 
 using Complex = std::complex<double>;
 
-double largest(std::span<const double> samples, double so_far) {
+double largest_magnitude(std::span<const double> samples, double so_far = 0.0) {
   for (const double y : samples) so_far = std::max(so_far, std::abs(y));
   return so_far;
 }
@@ -28,7 +28,9 @@ double largest_magnitude(std::span<float> samples) {
   return static_cast<double>(audio::largest(samples));
 }
 
-double sum_of_magnitudes(const double* re, const double* im, std::size_t n) {
+double sum_of_magnitudes(const PoleValues& values) {
+  const double *re = values.re.data(), *im = values.im.data();
+  const std::size_t n = values.size();
   constexpr std::size_t kSums = 8;  // the compiler may not reorder a sum, we may
   std::array<double, kSums> sums{};
   std::size_t k = 0;
@@ -89,7 +91,7 @@ double WaveMeter::ringing_peak(PoleValues ringing, double peak) const {
   std::array<double, static_cast<std::size_t>(ResonatorBank::kBlock)> exact;
   PoleValues before(ringing.size());
   for (;;) {
-    const double bound = sum_of_magnitudes(ringing.re.data(), ringing.im.data(), ringing.size());
+    const double bound = sum_of_magnitudes(ringing);
     if (bound <= peak) return peak;
     before = ringing;
     block.fill(0.0F);
@@ -97,12 +99,12 @@ double WaveMeter::ringing_peak(PoleValues ringing, double peak) const {
     if (largest_magnitude(block) + kSingle * bound <= peak) continue;
     exact.fill(0.0);
     bank_.ring(before, 0.0, exact);
-    peak = largest(exact, peak);
+    peak = largest_magnitude(exact, peak);
   }
 }
 
 double WaveMeter::peak(const ContactWave& wave) const {
-  return wave.peak ? *wave.peak : ringing_peak(wave.ringing, largest(wave.samples, 0.0));
+  return wave.peak ? *wave.peak : ringing_peak(wave.ringing, largest_magnitude(wave.samples));
 }
 
 WaveMeasure WaveMeter::measure(const ContactWave& wave, const Whitening& whitening) const {
@@ -154,18 +156,6 @@ void horner_step(const double* e_re, const double* e_im, double tap, std::size_t
     re[p] = (before * e_re[p] - im[p] * e_im[p]) + tap;
     im[p] = before * e_im[p] + im[p] * e_re[p];
   }
-}
-
-double sum_of_magnitudes(const PoleValues& values) {
-  double sum = 0.0;
-  for (std::size_t p = 0; p < values.size(); ++p) sum += hypot(values[p].real(), values[p].imag());
-  return sum;
-}
-
-double largest_magnitude(std::span<const double> samples) {
-  double largest = 0.0;
-  for (const double y : samples) largest = std::max(largest, std::abs(y));
-  return largest;
 }
 
 /// Appends free ringing until there are at least `n`.

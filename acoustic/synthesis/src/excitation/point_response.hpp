@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "excitation/resonator_bank.hpp"
-#include "scene/noise.hpp"
+#include "scene/background.hpp"
 
 namespace bouncelab::synthesis {
 

@@ -2,12 +2,12 @@
 #include "excitation/resonator_bank.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <cstring>
 #include <numbers>
 #include <numeric>
 
-#include "bouncelab/audio/dsp/kernels.hpp"
+#include "bouncelab/audio/dsp.hpp"
 #include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/elementary.hpp"
 
@@ -15,6 +15,102 @@ namespace bouncelab::synthesis {
 namespace {
 
 using Complex = std::complex<double>;
+
+constexpr std::size_t kLength = 2 * RingingTransform::kFrames;  // M
+constexpr std::size_t kBins = kLength / 2;
+constexpr int kWidth = 12;  // w
+constexpr int kHalfWidth = kWidth / 2;
+constexpr double kBeta = 0.75 * std::numbers::pi * kWidth;
+constexpr double kMiddle = 0.5 * RingingTransform::kFrames;
+/// Within M / 2 frames, as exponent.
+constexpr double kLargestDecay = 4.0;
+
+/// I_0(sqrt x) by its power series, to rounding for the |x| <= (2 kBeta)^2 that occur.
+Complex bessel_i0_of_root(const Complex& x) {
+  Complex sum = 0.0, term = 1.0;
+  for (int m = 1; m < 120; ++m) {
+    sum += term;
+    term *= 0.25 / (static_cast<double>(m) * m) * x;
+  }
+  return sum;
+}
+
+/// psi(n): w sinh(u) / u, u^2 = beta^2 - (pi w n / M)^2, which is positive where |n| <= M / 4.
+double psi(double n) {
+  const double x = std::numbers::pi * kWidth * n / kLength;
+  const double u = std::sqrt(kBeta * kBeta - x * x);
+  return kWidth * (exp(u) - exp(-u)) / (2.0 * u);
+}
+
+/// Numbers far from one another in turn.
+std::vector<std::size_t> interleaved(const std::vector<std::size_t>& numbers) {
+  constexpr std::size_t kApart = 8;
+  std::vector<std::size_t> result;
+  for (std::size_t first = 0; first < kApart; ++first)
+    for (std::size_t k = first; k < numbers.size(); k += kApart) result.push_back(numbers[k]);
+  return result;
+}
+
+constexpr std::size_t kTaps = 16;  // a whole register; the last four are 0
+
+/// Adds z phi of each row to the bins that it reaches.
+void add_rows(std::span<const std::size_t> poles, const std::size_t* first_bins, const float* phi_re,
+              const float* phi_im, const float* z_re, const float* z_im, float* __restrict bins_re,
+              float* __restrict bins_im) {
+  for (std::size_t r = 0; r < poles.size(); ++r, phi_re += kTaps, phi_im += kTaps) {
+    const float of_re = z_re[poles[r]], of_im = z_im[poles[r]];
+    if (of_re == 0.0F && of_im == 0.0F) continue;
+    float *re = bins_re + first_bins[r], *im = bins_im + first_bins[r];
+    for (std::size_t k = 0; k < kTaps; ++k) {
+      re[k] += of_re * phi_re[k] - of_im * phi_im[k];
+      im[k] += of_re * phi_im[k] + of_im * phi_re[k];
+    }
+  }
+}
+
+void add_product(const float* a, const float* b, std::size_t n, float* __restrict out) {
+  for (std::size_t k = 0; k < n; ++k) out[k] += a[k] * b[k];
+}
+
+}  // namespace
+
+RingingTransform::RingingTransform(const std::vector<Complex>& poles) : fft_(kLength), holds_(poles.size(), false) {
+  for (std::size_t p = 0; p < poles.size(); ++p) {
+    const double bin = poles[p].imag() * kLength / (2.0 * std::numbers::pi);
+    const double first = std::floor(bin) - kHalfWidth + 1;
+    // the transform has no bins 0 and M / 2
+    holds_[p] = -poles[p].real() * kLength / 2.0 <= kLargestDecay && first >= 1.0 && first + kWidth <= kBins;
+    if (!holds_[p]) continue;
+    poles_.push_back(p);
+    first_bins_.push_back(static_cast<std::size_t>(first));
+  }
+  poles_ = interleaved(poles_);
+  first_bins_ = interleaved(first_bins_);
+  re_.assign(poles_.size() * kTaps, 0.0F);
+  im_ = re_;
+  for (std::size_t r = 0; r < poles_.size(); ++r) {
+    const Complex s = poles[poles_[r]], nu = Complex{0.0, -1.0} * s * (kLength / (2.0 * std::numbers::pi));
+    for (std::size_t k = 0; k < static_cast<std::size_t>(kWidth); ++k) {
+      const std::size_t bin = first_bins_[r] + k;
+      const Complex x = (static_cast<double>(bin) - nu) * (2.0 / kWidth);
+      const double sign = bin % 2 == 0 ? 1.0 : -1.0;  // n = 0 in the middle of the transform
+      const Complex phi = sign * exp(s * kMiddle) * bessel_i0_of_root(kBeta * kBeta * (1.0 - x * x));
+      re_[r * kTaps + k] = static_cast<float>(phi.real());
+      im_[r * kTaps + k] = static_cast<float>(phi.imag());
+    }
+  }
+  for (std::size_t j = 0; j < kFrames; ++j)  // the transform's own scale is sqrt(2 / M)
+    correction_.push_back(static_cast<float>(std::sqrt(0.5 * kLength) / psi(static_cast<double>(j) - kMiddle)));
+}
+
+void RingingTransform::add(const float* re, const float* im, std::span<float> out) const {
+  std::array<float, kBins + kTaps> bins_re{}, bins_im{};
+  add_rows(poles_, first_bins_.data(), re_.data(), im_.data(), re, im, bins_re.data(), bins_im.data());
+  const std::span<const float> ringing = fft_.inverse(std::span(bins_re).first(kBins), std::span(bins_im).first(kBins));
+  add_product(ringing.data() + kFrames / 2, correction_.data(), kFrames, out.data());
+}
+
+namespace {
 
 /// Re sum_p a_p z_p, in four partial sums: the compiler may not reorder a sum, we may.
 double real_part_of_product(const PoleValues& a, const PoleValues& z) {
@@ -87,41 +183,6 @@ BOUNCELAB_VECTOR_CLONES void add_ringing(std::span<float> out, const float* c, c
 void add_ringing(std::span<double> out, const double* c, const double* s, const double* step_re, const double* step_im,
                  double silence, double* re, double* im) {
   add_four(out, c, s, step_re, step_im, silence, re, im);
-}
-
-using Four = double __attribute__((vector_size(4 * sizeof(double))));
-using FourSingle = float __attribute__((vector_size(4 * sizeof(float))));
-static_assert(kTogether == 4);
-
-/// Copies fours of resonators in single precision; those that are silent are set to zero.
-/// @param holds  by fours: others are copied as zeros, and stay as they are
-/// @param rings  by fours: 0 where they are silent
-/// @return how many resonators are copied and not silent
-std::size_t take_fours(double* re, double* im, const char* holds, std::size_t n_fours, double silence, float* held_re,
-                       float* held_im, char* rings) {
-  std::size_t n_ringing = 0;
-  for (std::size_t f = 0; f < n_fours; ++f) {
-    Four x{}, y{};
-    rings[f] = 1;
-    if (holds[f]) {
-      std::memcpy(&x, re + 4 * f, sizeof x);
-      std::memcpy(&y, im + 4 * f, sizeof y);
-      const auto is_silent = (x < 0.0 ? -x : x) + (y < 0.0 ? -y : y) < silence;
-      if (is_silent[0] & is_silent[1] & is_silent[2] & is_silent[3]) {
-        x = y = Four{};
-        rings[f] = 0;
-        std::memcpy(re + 4 * f, &x, sizeof x);
-        std::memcpy(im + 4 * f, &y, sizeof y);
-      } else {
-        n_ringing += 4;
-      }
-    }
-    const FourSingle single_x = __builtin_convertvector(x, FourSingle),
-                     single_y = __builtin_convertvector(y, FourSingle);
-    std::memcpy(held_re + 4 * f, &single_x, sizeof single_x);
-    std::memcpy(held_im + 4 * f, &single_y, sizeof single_y);
-  }
-  return n_ringing;
 }
 
 std::size_t rounded_up(std::size_t n) { return (n + kTogether - 1) / kTogether * kTogether; }
@@ -281,25 +342,27 @@ void ResonatorBank::ring(PoleValues& state, double silence, std::span<float> out
   }
 }
 
-/// Copies what the transform holds; fours that are silent are set to zero. @return how many resonators are not
+/// Copies what the transform holds, in single precision; fours that are silent are set to zero.
+/// @param rings  by fours: 0 where they are silent
+/// @return how many resonators are copied and not silent
 std::size_t ResonatorBank::take_ringing(PoleValues& state, double silence, PoleValuesOf<float>& held,
                                         std::vector<char>& rings) const {
-  const std::size_t n_fours = size() / kTogether, n_rest = size() % kTogether;
-  const std::size_t n_ringing = take_fours(state.re.data(), state.im.data(), transform_holds_.data(), n_fours, silence,
-                                           held.re.data(), held.im.data(), rings.data());
-  if (n_rest == 0) return n_ringing;
-  double re[kTogether]{}, im[kTogether]{};
-  float single_re[kTogether], single_im[kTogether];
-  const std::size_t p = size() - n_rest;
-  std::copy_n(state.re.data() + p, n_rest, re);
-  std::copy_n(state.im.data() + p, n_rest, im);
-  const std::size_t n_last =
-      take_fours(re, im, transform_holds_.data() + n_fours, 1, silence, single_re, single_im, rings.data() + n_fours);
-  std::copy_n(re, n_rest, state.re.data() + p);
-  std::copy_n(im, n_rest, state.im.data() + p);
-  std::copy_n(single_re, n_rest, held.re.data() + p);
-  std::copy_n(single_im, n_rest, held.im.data() + p);
-  return n_ringing + std::min(n_last, n_rest);
+  std::size_t n_ringing = 0;
+  for (std::size_t four = 0; four < rings.size(); ++four) {
+    const std::size_t begin = four * kTogether, end = std::min(begin + kTogether, size());
+    double loudest = 0.0;
+    for (std::size_t p = begin; p < end; ++p)
+      loudest = std::max(loudest, std::abs(state.re[p]) + std::abs(state.im[p]));
+    const bool holds = transform_holds_[four] != 0, is_silent = holds && loudest < silence;
+    rings[four] = is_silent ? 0 : 1;
+    n_ringing += holds && !is_silent ? end - begin : 0;
+    for (std::size_t p = begin; p < end; ++p) {
+      if (is_silent) state.re[p] = state.im[p] = 0.0;
+      held.re[p] = holds ? static_cast<float>(state.re[p]) : 0.0F;
+      held.im[p] = holds ? static_cast<float>(state.im[p]) : 0.0F;
+    }
+  }
+  return n_ringing;
 }
 
 void ResonatorBank::advance(PoleValues& state, std::int64_t n_frames) const {

@@ -276,24 +276,18 @@ double wavenumber_at(double frequency_hz, double thickness_m, const Material& ma
 
 }  // namespace
 
-Ground ground_preset(GroundPreset preset) {
+Ground ground_of(const Material& plate) {
   Ground result;
-  if (preset == GroundPreset::sic) {
+  if (plate == kSiliconCarbide) {
     result.disk = CircularDisk{};
     result.disk_damping = {1e-3, 150.0};
-  } else if (preset == GroundPreset::vitreloy) {
+  } else if (plate == kVitreloy) {
     result.disk = CircularDisk{0.05, 0.006, kVitreloy};
     result.disk_damping = {2e-3, 150.0};
+  } else {
+    result.carrier.material = plate;
+    result.carrier_damping.loss_factor = plate_loss_factor(plate).value_or(result.carrier_damping.loss_factor);
   }
-  return result;
-}
-
-Ground ground_of(const Material& plate) {
-  if (plate == kSiliconCarbide) return ground_preset(GroundPreset::sic);
-  if (plate == kVitreloy) return ground_preset(GroundPreset::vitreloy);
-  Ground result;
-  result.carrier.material = plate;
-  result.carrier_damping.loss_factor = plate_loss_factor(plate).value_or(result.carrier_damping.loss_factor);
   return result;
 }
 

@@ -177,19 +177,13 @@ Table others_table(const std::vector<OtherSound>& others) {
 
 namespace {
 
-struct Recipe {
-  const char* name;
-  const char* what;
-  void (*apply)(SynthesisConfig&);
-};
-
 void add_dead_channel(SynthesisConfig& c) {
   Channel dead = c.channels.front();
   dead.gain = 0.0;
   c.channels.insert(c.channels.begin(), dead);
 }
 
-constexpr Recipe kRecipes[]{
+constexpr HardCase kHardCases[]{
     {"noisy", "weakest impact only 10 dB above white and 1/f noise",
      [](SynthesisConfig& c) {
        c.snr_db = 10.0;
@@ -257,23 +251,16 @@ Description members_of(const Disturbances*) {
   return options;
 }
 
-const std::vector<HardCase>& hard_cases() {
-  static const std::vector<HardCase> cases = [] {
-    std::vector<HardCase> result;
-    for (const Recipe& recipe : kRecipes) result.push_back({recipe.name, recipe.what});
-    return result;
-  }();
-  return cases;
-}
+std::span<const HardCase> hard_cases() { return kHardCases; }
 
 SynthesisConfig with_hard_case(SynthesisConfig config, const std::string& name) {
   std::string names;
-  for (const Recipe& recipe : kRecipes) {
-    if (recipe.name == name) {
-      recipe.apply(config);
+  for (const HardCase& known : kHardCases) {
+    if (known.name == name) {
+      known.apply(config);
       return config;
     }
-    names += (names.empty() ? "" : ", ") + std::string(recipe.name);
+    names += (names.empty() ? "" : ", ") + std::string(known.name);
   }
   throw InvalidArgument("hard case '" + name + "' is not known; the cases are " + names);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "scene/noise.hpp"
+#include "scene/background.hpp"
 
 #include <algorithm>
 #include <array>
@@ -43,7 +43,7 @@ BOUNCELAB_VECTOR_CLONES void draw_words(std::uint64_t seed, std::uint32_t source
 /// Blocks of words that make samples in a row: the first coordinates of as many points, the second ones, then those of
 /// each block's other point.
 constexpr std::size_t kPairs = 16;
-constexpr std::size_t kRow = 4 * kPairs;
+constexpr std::size_t kNoiseRow = 4 * kPairs;
 
 /// Of 31 bits. Below it a radius is drawn with 53 bits more: beyond 5.77 of its standard deviation.
 constexpr std::uint32_t kFewBits = 1U << 7;
@@ -125,7 +125,7 @@ void WhiteNoise::far_points(std::int64_t first_frame, const NoiseWords& words, f
     for (std::size_t k = 0; k < NoiseWords::kBlocks; ++k) {
       const std::uint32_t few = words.word[2 * half][k] >> 1;
       if (few >= kFewBits) continue;
-      const std::size_t at = k / kPairs * kRow + 2 * half * kPairs + k % kPairs;
+      const std::size_t at = k / kPairs * kNoiseRow + 2 * half * kPairs + k % kPairs;
       const auto frame = static_cast<std::uint64_t>(first_frame) + at;
       Random random(seed_, RandomStream::noise, ((frame + 1) << 8) | source_);
       const double u = (few + random.uniform()) * 0x1p-31;
@@ -136,7 +136,8 @@ void WhiteNoise::far_points(std::int64_t first_frame, const NoiseWords& words, f
 
 template <class T>
 void WhiteNoise::add_to(std::int64_t first_frame, double rms, std::span<T> out) const {
-  constexpr auto kInRow = static_cast<std::int64_t>(kRow), kAtOnce = static_cast<std::int64_t>(NoiseWords::kFrames);
+  constexpr auto kInRow = static_cast<std::int64_t>(kNoiseRow),
+                 kAtOnce = static_cast<std::int64_t>(NoiseWords::kFrames);
   std::int64_t frame = (first_frame >= 0 ? first_frame : first_frame - (kInRow - 1)) / kInRow * kInRow;
   auto skipped = static_cast<std::size_t>(first_frame - frame);
   NoiseWords words;

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "bouncelab/audio/dsp/kernels.hpp"
+#include "bouncelab/audio/dsp.hpp"
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/numerics.hpp"
 
@@ -47,7 +47,7 @@ void KernelTable::add(double offset_samples, double weight, std::span<double> sa
 namespace {
 
 constexpr double kCutoff = 0.45;
-constexpr double kBeta = 10.06;  // 100 dB: 0.1102 (100 - 8.7)
+constexpr double kConverterBeta = 10.06;  // 100 dB: 0.1102 (100 - 8.7)
 
 double windowed_sinc(double u) {
   const double x = u / ConverterFilter::kHalfWidth_samples;
@@ -55,8 +55,8 @@ double windowed_sinc(double u) {
   const double argument = 2.0 * kPi * kCutoff * u;
   const double sinc = u == 0.0 ? 1.0 : sin(argument) / argument;
   // Kaiser's window less its pedestal (3e-4 of its height): without a step at its ends, quadrature over them is exact
-  static const double pedestal = kaiser_window(1.0, kBeta);
-  return 2.0 * kCutoff * sinc * (kaiser_window(x, kBeta) - pedestal);
+  static const double pedestal = kaiser_window(1.0, kConverterBeta);
+  return 2.0 * kCutoff * sinc * (kaiser_window(x, kConverterBeta) - pedestal);
 }
 
 }  // namespace

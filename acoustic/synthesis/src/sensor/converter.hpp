@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "bouncelab/synthesis/sensor.hpp"
+#include "bouncelab/synthesis/synthetic_recording.hpp"
 
 namespace bouncelab::synthesis {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "bouncelab/synthesis/plate.hpp"
-#include "bouncelab/synthesis/sensor.hpp"
+#include "bouncelab/synthesis/synthetic_recording.hpp"
 #include "excitation/point_response.hpp"
 #include "excitation/resonator_bank.hpp"
 #include "sensor/converter.hpp"

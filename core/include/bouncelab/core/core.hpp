@@ -5,10 +5,9 @@
 #include <string_view>
 
 #include "bouncelab/core/ball.hpp"  // materials, balls and plates by name; contact time and force by Hertz; drag, gravity
-#include "bouncelab/core/child_process.hpp"    // decoders and other programs, with limits
 #include "bouncelab/core/elementary.hpp"       // exp, log, sin ... to the same bits everywhere; vector registers
 #include "bouncelab/core/error.hpp"            // what is thrown
-#include "bouncelab/core/files.hpp"            // pipes too; outputs whole or not at all; no output is an input
+#include "bouncelab/core/files.hpp"            // pipes too; outputs whole or not at all; other programs, with limits
 #include "bouncelab/core/fluctuation.hpp"      // of eps, given the drop's past
 #include "bouncelab/core/impacts.hpp"          // simulate writes, synthesize reads
 #include "bouncelab/core/numerics.hpp"         // Bessel functions, quadrature, roots, medians

@@ -47,6 +47,15 @@ struct TitleUnit {
 /// "Time (10^-3 s)", "T^2 (s^2)", "Time".
 std::optional<TitleUnit> unit_of_title(std::string_view title);
 
+/// What a reader is told of a file that is not ours. "auto", empty: the file has to prove it.
+struct ForeignOptions {
+  std::string as = "auto";    ///< or "times", "intervals", "heights"
+  std::string unit = "auto";  ///< or "s", "ms", "us"; "m", "cm", "mm", "in", "ft" of heights
+  std::string columns;        ///< "t=Time (s),drop=2", "v=speed,eps=e": columns by title or by number from 1
+
+  bool tells() const { return as != "auto" || unit != "auto" || !columns.empty(); }
+};
+
 /// A table that another program or a person wrote.
 struct ForeignTable {
   struct Row {
@@ -54,6 +63,8 @@ struct ForeignTable {
     bool follows_blank = false;
     std::vector<std::string> cells;  ///< as many as the table has columns
   };
+  std::string name;  ///< of the file, for messages
+  ForeignOptions options;
   CellFormat format;
   std::vector<std::string> titles;  ///< of the columns; empty where no line names them
   std::vector<Row> rows;            ///< at least one
@@ -62,15 +73,8 @@ struct ForeignTable {
   std::optional<NumberCell> number(const Row& row, std::size_t column) const {
     return number_of(row.cells[column], format.decimal);
   }
-};
-
-/// What a reader is told of a file that is not ours. "auto", empty: the file has to prove it.
-struct ForeignOptions {
-  std::string as = "auto";    ///< or "times", "intervals", "heights"
-  std::string unit = "auto";  ///< or "s", "ms", "us"; "m", "cm", "mm", "in", "ft" of heights
-  std::string columns;        ///< "t=Time (s),drop=2", "v=speed,eps=e": columns by title or by number from 1
-
-  bool tells() const { return as != "auto" || unit != "auto" || !columns.empty(); }
+  /// @throws FileError
+  [[noreturn]] void refuse(const std::string& what) const { throw FileError(name, what); }
 };
 
 /// A table that does not prove what its numbers are. Exit code 2, as of an argument that is missing.
@@ -114,12 +118,11 @@ struct TakenTable {
   std::string taken_for;  ///< what it was taken for, in a few words for people
 };
 
-/// Impact times, the intervals between them, or heights, as the table of onsets that onsets_from_table reads;
-/// docs/formats.md,
-/// "Files of other programs", has the rule.
+/// Impact times, the intervals between them, or heights, as the table of onsets that onsets_from_table reads; the rule
+/// is in docs/formats.md, "Files of other programs".
 /// @throws FileError: a cell that is not a number, a gap, a time that stands twice
 /// @throws AmbiguousTable: what the numbers are, or which of them, is not proved
-TakenTable onsets_from_foreign(const ForeignTable& table, const std::string& name, const ForeignOptions& options);
+TakenTable onsets_from_foreign(const ForeignTable& table);
 
 /// Of several drops in a row a new one begins where an interval is so many times either of the two before it: with one
 /// impact missed it is 1 + eps times, with two 1 + eps + eps^2, which is below 3.
@@ -133,6 +136,6 @@ std::vector<std::int64_t> drops_of(std::span<const double> t_s);
 /// Speeds and coefficients of restitution that others measured, as the table that samples_from_table reads.
 /// @throws FileError: a cell that is not a number, a unit that is not of a speed, coefficients per cent
 /// @throws AmbiguousTable: no columns v_mps and eps, and none named
-TakenTable samples_from_foreign(const ForeignTable& table, const std::string& name, const ForeignOptions& options);
+TakenTable samples_from_foreign(const ForeignTable& table);
 
 }  // namespace bouncelab

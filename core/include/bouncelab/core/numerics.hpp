@@ -9,6 +9,10 @@
 
 namespace bouncelab {
 
+/// Of a standard normal distribution: half of the interval that holds 95 % of it, and its standard deviation over the
+/// median of its absolute values.
+inline constexpr double kNormal95 = 1.959963984540054, kSdOverMad = 1.4826;
+
 /// GSL's own handler of errors ends the program. Whoever calls GSL calls this first, and looks at every return code.
 void switch_off_gsl_error_handler();
 

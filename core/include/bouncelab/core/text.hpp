@@ -5,10 +5,10 @@
 #include <charconv>
 #include <cstddef>
 #include <cstdint>
-#include <cstdio>
 #include <memory>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <vector>
 #include <version>
 
@@ -64,13 +64,15 @@ class TextDecoder {
 /// @throws FileError naming what it is not
 std::string decoded_text(std::string_view bytes, const std::string& name);
 
-/// Numbers in a text of any length, as printf writes them.
-template <class... Values>
-std::string formatted(const char* format, Values... values) {
-  std::string text(static_cast<std::size_t>(std::snprintf(nullptr, 0, format, values...)), '\0');
-  std::snprintf(text.data(), text.size() + 1, format, values...);
-  return text;
-}
+/// Numbers in a text of any length, as printf writes them; the compiler checks that they are what the format says.
+[[gnu::format(printf, 1, 2)]] std::string formatted(const char* format, ...);
+
+/// Without what is unwanted at both ends.
+std::string_view trimmed(std::string_view text, std::string_view unwanted = " \t");
+
+/// The shortest text that is read as the same number.
+std::string number_text(double value);
+std::string number_text(float value);
 
 /// The name that was probably meant: the one reached by the fewest insertions, deletions, replacements and swaps of
 /// neighbours, the first of several.
@@ -94,6 +96,18 @@ std::to_chars_result to_chars(char* first, char* last, double value, std::chars_
 /// As printf writes it; only `general` is offered.
 std::to_chars_result to_chars(char* first, char* last, double value, std::chars_format format, int precision);
 #endif
+
+/// All of a text as a number, "+1" too; else what is wrong with it, and the number stays as it is.
+template <class Number>
+std::errc parse_number(std::string_view text, Number& number) {
+  if (text.size() > 1 && text[0] == '+' && text[1] != '-') text.remove_prefix(1);
+  Number value{};
+  const auto [end, status] = bouncelab::from_chars(text.data(), text.data() + text.size(), value);
+  if (status != std::errc{} || end != text.data() + text.size())
+    return status == std::errc{} ? std::errc::invalid_argument : status;
+  number = value;
+  return status;
+}
 
 #ifdef __cpp_lib_bit_cast
 using std::bit_cast;

@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "bouncelab/core/description.hpp"
@@ -181,5 +182,59 @@ BetweenRecordings compare_campaign(const std::vector<CampaignRecording>& recordi
 
 /// comparison.csv: a row a recording.
 Table to_table(const BetweenRecordings& between, const std::vector<CampaignRecording>& recordings);
+
+/// What differs within a group, by which differences between groups are judged.
+enum class GroupUnit { drops, recordings };
+/// "drops", "recordings"
+const char* to_string(GroupUnit unit);
+
+/// The law of one group (the recordings of a plate, or one recording) at speeds common to all groups. Its errors are
+/// those of independent samples.
+struct GroupLaw {
+  std::string name;
+  std::size_t n = 0;  ///< samples fitted
+  std::size_t n_units = 0;
+  std::vector<NodeEstimate> nodes;
+  std::vector<NamedEstimate> parameters;
+};
+Description members_of(const GroupLaw*);
+
+/// A group less the reference. Errors and intervals include what differs within the groups.
+struct GroupDifference {
+  std::string reference, group;
+  Estimate offset;                ///< of eps, as a constant at all speeds
+  double detectable = 0.0;        ///< an offset that such data show in four of five experiments
+  std::optional<double> p_value;  ///< of so large an offset by chance, times the number of pairs; absent: ndf = 0
+  std::vector<NodeEstimate> nodes;
+  std::vector<NamedEstimate> parameters;
+};
+Description members_of(const GroupDifference*);
+
+struct GroupDifferences {
+  std::optional<Note> why;  ///< why there are no rows; absent where there are
+  GroupUnit unit = GroupUnit::drops;
+  double ndf = 0.0;                 ///< units less groups; 0: how units of a group differ is not known
+  std::optional<double> deviation;  ///< of eps between units of a group, standard deviation; 0: none seen
+  std::vector<GroupLaw> groups;
+  std::vector<GroupDifference> rows;  ///< every pair
+};
+Description members_of(const GroupDifferences*);
+
+inline constexpr std::size_t kMostGroups = 4;
+
+/// Do groups differ by more than the drops (or recordings) within them do? By the table of RecordingsTest: a mean of
+/// eps for each group about one curve (S1), for each unit (S2), samples weighted by their inverse variances,
+///
+///   q = (S1 - S2) / (units - groups),   variance of an offset = q times that of independent samples, q at least 1,
+///
+/// and the offset of two groups over its root is Student's t with units - groups degrees of freedom. tau, by which
+/// units differ beyond the scatter, by moments (DerSimonian & Laird, doi:10.1016/0197-2456(86)90046-2). What differs
+/// within the groups enters the errors of nodes and constants as a constant offset of eps. The offset is of the means,
+/// nodes and constants are those of the laws, of the peak.
+///
+/// The unit is the recording where some group has several, else the drop. With one unit in each group errors are those
+/// of independent samples and there is no p.
+/// @param groups  2 to kMostGroups, each a name and its usable samples (no flag, finite, v > 0)
+GroupDifferences compare_groups(const std::vector<std::pair<std::string, RestitutionSamples>>& groups);
 
 }  // namespace bouncelab::fit

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /// Start here: impact times to coefficients of restitution (restitution.hpp), these to the law eps(v) (law_fit.hpp)
 /// and to the histograms p(eps) (histogram_fit.hpp); fit_all does all that a report needs (the module `report` says it
-/// in sentences); memory_fit.hpp says what the scatter tells of the surface, reservoir_gain.hpp what energy spin and
-/// sideways motion hold; between_recordings.hpp compares the recordings of a campaign.
+/// in sentences); memory_fit.hpp has what the scatter shows of the surface, and what energy spin and sideways motion
+/// hold; between_recordings.hpp compares the recordings of a campaign.
 #pragma once
 
 #include <cstddef>

@@ -32,25 +32,22 @@ struct Bins {
 Description members_of(const Bins*);
 
 /// The shapes of p(eps) that are compared.
-enum class DensityShape { two_exponentials, normal, gumbel, student_t };
-/// The words of fit.json: "two_exponentials", "normal", "gumbel", "student_t".
+enum class DensityShape { two_exponentials, normal };
+/// The words of fit.json: "two_exponentials", "normal".
 const char* to_string(DensityShape shape);
 
-/// One shape of p(eps), fitted to the counts of the bins (under- and overflow are bins too) by maximum likelihood, each
-/// shape blurred by the timing errors of the window's samples.
+/// One shape of p(eps), fitted to the samples of a window, each with its timing error, by maximum likelihood, and what
+/// it expects of the bins.
 ///
 ///   two_exponentials  as HistogramFit: peak, slope_rising, slope_falling
 ///   normal            mean, sd
-///   gumbel            mode, scale (negative: the long tail points to low eps), density exp(-z - exp(-z)) / |scale|
-///   student_t         location, scale, nu
 struct ShapeFit {
   DensityShape shape = DensityShape::two_exponentials;
   FitStatus status = FitStatus::not_converged;
-  std::vector<NamedEstimate> parameters;  ///< with errors from the binned likelihood's information
-  double loglik = 0.0;                    ///< multinomial, without its constant, which all shapes share
-  double delta_aic =
-      0.0;  ///< AIC less that of the two exponentials on the same bins: > 0: the two exponentials are preferred
-  std::optional<double> chi2;      ///< Pearson's, bins with fewer than 5 expected joined to their neighbours
+  std::vector<NamedEstimate> parameters;
+  double loglik = 0.0;
+  double delta_aic = 0.0;          ///< AIC less that of the two exponentials: > 0: these are preferred
+  std::optional<double> chi2;      ///< Pearson's, in bins of equal probability
   std::optional<std::size_t> ndf;  ///< bins less one less parameters
   std::optional<double> p_value;
   std::vector<double> expected;  ///< counts of Bins::counts that it expects
@@ -79,7 +76,7 @@ struct HistogramFit {
       delta_aic_gaussian;  ///< AIC(normal) - AIC(two exponentials): > 0: the two exponentials are preferred
   Bins bins;
   std::vector<CurvePoint> curve;  ///< fitted density, timing error included
-  std::vector<ShapeFit> shapes;   ///< two exponentials as the paper drew them, normal, Gumbel, Student t
+  std::vector<ShapeFit> shapes;   ///< two exponentials as the paper drew them, normal
 };
 Description members_of(const HistogramFit*);
 

@@ -21,16 +21,17 @@ enum class WithinUnit {
 /// The words of fit.json: "samples", "drops".
 const char* to_string(WithinUnit unit);
 
-/// Do several recordings follow one curve? The likelihood ratio of "one curve and one scatter for all" against "the
-/// same, but each recording's eps off by a constant of its own", as an analysis of variance: for normal scatter
+/// Do several recordings follow one curve? An analysis of variance by weighted least squares, of one curve with a
+/// constant of eps for each recording (S1), for each drop (S2), or for none (S0), S what is left:
 ///
-///   F = [exp(L1/n) - 1] / ndf : 1 / ndf_within                  samples
-///   F = [exp(L1/n) - 1] / ndf : [1 - exp(-L2/n)] / ndf_within   drops; L2: a constant for each drop against L1
+///   F = (S0 - S1) / ndf : S1 / ndf_within          samples
+///   F = (S0 - S1) / ndf : (S1 - S2) / ndf_within   drops
 ///
-/// is exactly that of Fisher's F test of residual sums of squares (n samples), also where samples are few.
+/// Weights are the inverse variances that the pooled fit and the timing give; a recording's own outliers are left out.
+/// For normal scatter F is exact, also where samples are few.
 struct RecordingsTest {
   std::size_t n_recordings = 0;   ///< compared: those of three samples or more
-  double likelihood_ratio = 0.0;  ///< L1, twice the difference of the log-likelihoods
+  double likelihood_ratio = 0.0;  ///< n ln(S0 / S1), twice the difference of the log-likelihoods of normal scatter
   double f = 0.0;                 ///< F by ndf and ndf_within degrees of freedom if all recordings follow one curve
   double ndf = 0.0, ndf_within = 0.0;
   double p_value = 1.0;
@@ -43,6 +44,7 @@ struct RecordingFit {
   std::string recording;
   std::size_t n = 0;  ///< samples fitted, its own outliers left out
   std::size_t n_outliers = 0;
+  std::vector<std::size_t> outliers;  ///< their places among its samples
   std::size_t n_drops = 0;
   double v_lo_mps = 0.0, v_hi_mps = 0.0;  ///< of its samples
   FitStatus status = FitStatus::too_few_samples;
@@ -66,7 +68,7 @@ struct Recordings {
 /// @param pooled   that fit: nodes, form of the scatter
 Recordings compare_recordings(const RestitutionSamples& samples, const LawFitConfig& config, const LawFit& pooled);
 
-/// p < 0.01: they do not follow one curve.
+inline constexpr double kDoubt = 0.01;  ///< p below: they do not follow one curve
 bool disagree(const Recordings& recordings);
 
 /// Drops that are of two balls, or on two floors.
@@ -78,7 +80,8 @@ Description members_of(const KindsOfDrops*);
 
 /// Drops fall into two kinds where, at one speed, their medians of eps do: into two groups of at least two drops, each
 /// narrower than a third of the gap between them, which is more than three times the scatter about the medians, three
-/// times what their slope with speed is not known by, and a tenth of 1 - eps. Drops of one ball on one floor differ by
+/// times what their slope with speed is not known by, and a tenth of 1 - eps, and where the test of recordings, made of
+/// the two groups, has p < 0.01. Two drops are a group each. Drops of one ball on one floor differ by
 /// less than single impacts do; what differs by less is in the errors by drop.
 /// @param samples  finite, v > 0
 std::optional<KindsOfDrops> two_kinds_of_drops(const RestitutionSamples& samples);

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "bouncelab/audio/audio_reader.hpp"
+#include "bouncelab/audio/sound_file.hpp"
 #include "bouncelab/core/description.hpp"
 #include "bouncelab/core/parallel.hpp"
 #include "bouncelab/detection/detect.hpp"
@@ -61,6 +61,12 @@ struct Analysis {
 
 /// summary.json: counts and recordings.
 Description members_of(const Analysis*);
+
+/// Impacts of recordings, each with its name. @param with_details  also wave and noise, which reports show
+/// @throws as detection::detect_each
+std::vector<detection::RecordingDetection> detect_all(const std::vector<std::filesystem::path>& files,
+                                                      const detection::DetectionConfig& config, int n_threads,
+                                                      bool with_details = false, const ProgressCallback& progress = {});
 
 /// The whole chain, with all data in memory: a hundred bytes or so an impact.
 /// @param recordings  each once

@@ -19,7 +19,7 @@
 #include "bouncelab/detection/score.hpp"
 #include "bouncelab/fit/fit.hpp"
 #include "bouncelab/loop/theory.hpp"
-#include "bouncelab/sim/energy.hpp"
+#include "bouncelab/sim/contact.hpp"
 #include "bouncelab/sim/experiment.hpp"
 #include "bouncelab/sim/surface.hpp"
 #include "bouncelab/synthesis/synthetic_recording.hpp"

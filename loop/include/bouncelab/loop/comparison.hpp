@@ -9,7 +9,6 @@
 
 #include "bouncelab/core/samples.hpp"
 #include "bouncelab/fit/between_recordings.hpp"
-#include "bouncelab/fit/group_differences.hpp"
 
 namespace bouncelab::loop {
 

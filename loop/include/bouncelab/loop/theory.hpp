@@ -14,8 +14,8 @@
 #include "bouncelab/core/samples.hpp"
 #include "bouncelab/fit/fit.hpp"
 #include "bouncelab/fit/histogram_fit.hpp"
-#include "bouncelab/fit/reservoir_gain.hpp"
-#include "bouncelab/sim/energy.hpp"
+#include "bouncelab/fit/memory_fit.hpp"
+#include "bouncelab/sim/contact.hpp"
 #include "bouncelab/sim/experiment.hpp"
 #include "bouncelab/sim/theory.hpp"
 

@@ -16,7 +16,6 @@
 #include "bouncelab/detection/detect.hpp"
 #include "bouncelab/fit/between_recordings.hpp"
 #include "bouncelab/fit/fit.hpp"
-#include "bouncelab/fit/group_differences.hpp"
 
 namespace bouncelab::report {
 

@@ -68,8 +68,6 @@ class Envelope {
   /// The largest cell around n whose region lies below `elevation`; where there is none, the leaf.
   Cell cell_below(double elevation, Vector3 n) const;
 
-  /// Asperities kept, counted once for each patch of the sphere that they can touch in.
-  std::int64_t n_sites() const;
   /// Bytes held by the index.
   std::int64_t n_bytes() const;
 

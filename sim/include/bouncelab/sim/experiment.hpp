@@ -18,7 +18,6 @@
 #include "bouncelab/core/parallel.hpp"
 #include "bouncelab/core/restitution_law.hpp"
 #include "bouncelab/sim/contact.hpp"
-#include "bouncelab/sim/energy.hpp"
 #include "bouncelab/sim/envelope.hpp"
 #include "bouncelab/sim/flight.hpp"
 #include "bouncelab/sim/surface.hpp"

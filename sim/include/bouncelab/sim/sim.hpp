@@ -2,8 +2,7 @@
 /// Start here: a rough ball bouncing on a plate. make_surface, then simulate; the rest is what these are made of.
 #pragma once
 
-#include "bouncelab/sim/contact.hpp"     // the collision: paper, frictionless, Coulomb, Stronge
-#include "bouncelab/sim/energy.hpp"      // where the energy went, and its shares against bounce number
+#include "bouncelab/sim/contact.hpp"     // the collision: paper, frictionless, Coulomb, Stronge; where the energy goes
 #include "bouncelab/sim/envelope.hpp"    // what can touch the plate, and where
 #include "bouncelab/sim/experiment.hpp"  // many drops: SimulationConfig -> Impacts
 #include "bouncelab/sim/flight.hpp"      // the first contact of a flight, drag, patches of contact

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -105,10 +106,11 @@ Annotations read_cues(const std::filesystem::path& path);
 /// The same of the bytes of a file in memory. @param name  of the file, for messages and as the recording's
 Annotations parse_cues(std::span<const std::byte> bytes, const std::string& name);
 /// Copies a WAV or RF64 file byte for byte, with these cue points in place of those it has.
-/// @param name  of the new file, for messages, if `out` is a temporary one
+/// @param write  takes the copy, piece by piece
+/// @param name   of the copy, for messages
 /// @throws FileError if the recording is neither, or a point lies beyond frame 2^32, or the copy of a WAV file would
 ///         exceed 4 GiB
 void copy_with_cues(const std::filesystem::path& recording, const Annotations& annotations,
-                    const std::filesystem::path& out, const std::string& name);
+                    const std::function<void(std::string_view)>& write, const std::string& name);
 
 }  // namespace bouncelab::audio

@@ -26,7 +26,7 @@ struct DetectionConfig {
   /// Of the ball's lowest point at release [m], > 0: what says how long the flight after the first impact may be.
   std::optional<double> drop_height_m;
   std::optional<double> rate_hz;  ///< of numbers (.npy, tables) that come without their sampling rate
-  std::int64_t min_impacts = 3;   ///< >= 3, one coefficient of restitution; drops of fewer are left out
+  std::int64_t min_impacts = 3;   ///< drops of fewer are left out; no drop has fewer than three
   /// RecordingSummary::lossy_coding of samples that something else has decoded; that of a file goes before it.
   std::string lossy_coding;
 };
@@ -140,8 +140,8 @@ const RecordingDetection* first_found(const std::vector<RecordingDetection>& rec
 ///
 /// Reads the recording in pieces, several times; holds at most 2^24 of its samples, its candidates (about 150 bytes
 /// each) and the onsets. May run in several threads at once. t_s counts from the first sample [s].
-/// @throws FileError where the file cannot be read; InvalidArgument where the channel does not exist, gravity_mps2 is
-///         not above 0 or min_impacts below 3
+/// @throws FileError where the file cannot be read; InvalidArgument where the channel does not exist or gravity_mps2 is
+///         not above 0
 Detection detect(const std::filesystem::path& recording, const DetectionConfig& config = {},
                  const ProgressCallback& progress = {});
 

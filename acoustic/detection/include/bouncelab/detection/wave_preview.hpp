@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "bouncelab/audio/audio_reader.hpp"
+#include "bouncelab/audio/sound_file.hpp"
 #include "bouncelab/core/description.hpp"
 #include "bouncelab/core/onsets.hpp"
 

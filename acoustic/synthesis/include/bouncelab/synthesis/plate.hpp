@@ -40,12 +40,9 @@ struct Ground {
   double disk_coupling = 0.2;        ///< share of the disk's own motion that reaches the sensors on the carrier
 };
 
-enum class GroundPreset { glass, sic, vitreloy };
-/// The paper's three grounds. The paper gives neither the disks' size nor any damping: radius 5 cm, thickness 6 mm and
-/// the loss factors are our assumptions (glass 2e-3, SiC 1e-3, Vitreloy 2e-3 with their layer).
-Ground ground_preset(GroundPreset preset);
-
-/// The ground for a plate by its material: glass, silicon carbide and Vitreloy are the presets; of any other material
+/// The ground for a plate by its material. Glass, silicon carbide and Vitreloy are the paper's three, the latter two as
+/// disks on the glass plate; the paper gives neither the disks' size nor any damping: radius 5 cm, thickness 6 mm and
+/// the loss factors (glass 2e-3, SiC 1e-3, Vitreloy 2e-3 with their layer) are our assumptions. Of any other material
 /// the plate has the size of the paper's, and the catalogue's loss factor, or that of glass where it has none.
 Ground ground_of(const Material& plate);
 

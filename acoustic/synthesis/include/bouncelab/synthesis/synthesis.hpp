@@ -3,6 +3,5 @@
 #pragma once
 
 #include "bouncelab/synthesis/plate.hpp"       // the grounds and their modes
-#include "bouncelab/synthesis/sensor.hpp"      // piezo and microphone
 #include "bouncelab/synthesis/synthesize.hpp"  // hours of sound to files, drop by drop
 #include "bouncelab/synthesis/synthetic_recording.hpp"  // one recording as a function of time, and its truth; disturbances, hard cases

@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "numerics/numerics.hpp"
+
+#include <ceres/first_order_function.h>
+#include <ceres/gradient_problem.h>
+#include <ceres/gradient_problem_solver.h>
+#include <glog/logging.h>
+#include <gsl/gsl_cdf.h>
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/QR>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <mutex>
+
+#include "bouncelab/core/elementary.hpp"
+#include "bouncelab/core/numerics.hpp"
+
+namespace bouncelab::fit {
+
+Eigen::MatrixXd product(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) { return a * b; }
+
+Eigen::MatrixXd transposed_product(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) { return a.transpose() * b; }
+
+Eigen::MatrixXd gram(const Eigen::MatrixXd& a) { return a * a.transpose(); }
+
+Eigen::MatrixXd congruence(const Eigen::MatrixXd& a, const Eigen::MatrixXd& m) {
+  return transposed_product(a, product(m, a));
+}
+
+std::optional<Cholesky> cholesky(const Eigen::MatrixXd& m) {
+  const Eigen::LLT<Eigen::MatrixXd> llt(m);
+  if (llt.info() != Eigen::Success) return std::nullopt;
+  return Cholesky{llt.matrixL()};
+}
+
+Eigen::MatrixXd Cholesky::solve(const Eigen::MatrixXd& right) const {
+  const auto lower = l.triangularView<Eigen::Lower>();
+  return lower.transpose().solve(lower.solve(right));
+}
+
+Eigen::MatrixXd Cholesky::inverse() const { return solve(Eigen::MatrixXd::Identity(l.rows(), l.cols())); }
+
+double Cholesky::log_determinant() const {
+  double sum = 0.0;
+  for (Eigen::Index i = 0; i < l.rows(); ++i) sum += 2.0 * log(l(i, i));
+  return sum;
+}
+
+Eigen::MatrixXd inverse(const Eigen::MatrixXd& m) {
+  return least_squares(m, Eigen::MatrixXd::Identity(m.rows(), m.cols()));
+}
+
+Eigen::MatrixXd least_squares(const Eigen::MatrixXd& m, const Eigen::MatrixXd& right) {
+  return m.completeOrthogonalDecomposition().solve(right);
+}
+
+Eigen::VectorXd eigenvalues(const Eigen::MatrixXd& m) {
+  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(m).eigenvalues();
+}
+
+Eigen::VectorXd scaled_eigenvalues(const Eigen::MatrixXd& m) {
+  const Eigen::VectorXd scale = m.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+  return eigenvalues(scale.asDiagonal() * m * scale.asDiagonal());
+}
+
+Eigen::MatrixXd whitening(const Eigen::MatrixXd& m, double floor) {
+  Eigen::VectorXd scale = m.diagonal();
+  for (double& s : scale) s = s > 0.0 ? 1.0 / std::sqrt(s) : 1.0;
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scale.asDiagonal() * m * scale.asDiagonal());
+  const Eigen::VectorXd roots = eigen.eigenvalues().cwiseMax(floor).cwiseSqrt().cwiseInverse();
+  return scale.asDiagonal() * eigen.eigenvectors() * roots.asDiagonal();
+}
+
+/// By Householder's reflection.
+Eigen::MatrixXd rotation_along(const Eigen::VectorXd& direction) {
+  Eigen::VectorXd v = direction;
+  v[0] += std::copysign(direction.norm(), direction[0]);
+  const Eigen::MatrixXd unit = Eigen::MatrixXd::Identity(v.size(), v.size());
+  return unit - (2.0 / v.squaredNorm()) * v * v.transpose();
+}
+
+Matrix to_matrix(const Eigen::MatrixXd& m) {
+  Matrix rows(static_cast<std::size_t>(m.rows()));
+  for (Eigen::Index i = 0; i < m.rows(); ++i)
+    for (Eigen::Index j = 0; j < m.cols(); ++j) rows[static_cast<std::size_t>(i)].push_back(m(i, j));
+  return rows;
+}
+
+Eigen::MatrixXd correlation_of(const Eigen::MatrixXd& covariance) {
+  const Eigen::VectorXd inverse_se = covariance.diagonal().cwiseSqrt().cwiseInverse();
+  return inverse_se.asDiagonal() * covariance * inverse_se.asDiagonal();
+}
+
+namespace {
+
+[[maybe_unused]] const bool kHandlerIsOff = (switch_off_gsl_error_handler(), true);
+
+}  // namespace
+
+double chi2_survival(double chi2, double ndf) { return gsl_cdf_chisq_Q(chi2, ndf); }
+
+double student_t_below(double t, double nu) { return gsl_cdf_tdist_P(t, nu); }
+
+double f_survival(double f, double d1, double d2) { return std::isinf(f) ? 0.0 : gsl_cdf_fdist_Q(f, d1, d2); }
+
+double student_t_quantile(double p, double nu) { return gsl_cdf_tdist_Pinv(p, nu); }
+
+namespace {
+
+/// One evaluation: each costs a pass over all samples, and the solver asks for the same point more than once.
+struct Evaluated {
+  Eigen::VectorXd y, gradient_by_y;
+  double loglik = 0.0;
+};
+
+/// The negative log-likelihood of y, x = start + whitening y, less its value at the start.
+class WhitenedCost final : public ceres::FirstOrderFunction {
+ public:
+  WhitenedCost(const LogLikelihood& loglik, const Eigen::VectorXd& start, const Eigen::MatrixXd& whitening,
+               double loglik_at_start, Evaluated& last, Evaluated& best, int& n_evaluations)
+      : loglik_(loglik),
+        start_(start),
+        whitening_(whitening),
+        at_start_(loglik_at_start),
+        last_(last),
+        best_(best),
+        n_(n_evaluations) {}
+
+  bool Evaluate(const double* parameters, double* cost, double* gradient) const override {
+    const Eigen::Map<const Eigen::VectorXd> y(parameters, start_.size());
+    if (last_.y != y) {
+      Eigen::VectorXd by_x;
+      ++n_;
+      const double value = loglik_(start_ + product(whitening_, y), &by_x);
+      if (!std::isfinite(value) || !by_x.allFinite()) return false;
+      last_ = {y, transposed_product(whitening_, by_x), value};
+      if (value > best_.loglik) best_ = last_;
+    }
+    *cost = at_start_ - last_.loglik;
+    if (gradient) Eigen::Map<Eigen::VectorXd>(gradient, start_.size()) = -last_.gradient_by_y;
+    return true;
+  }
+  int NumParameters() const override { return static_cast<int>(start_.size()); }
+
+ private:
+  const LogLikelihood& loglik_;
+  const Eigen::VectorXd& start_;
+  const Eigen::MatrixXd& whitening_;
+  double at_start_;
+  Evaluated &last_, &best_;
+  int& n_;
+};
+
+/// Ceres comments on degenerate line searches on standard error; what the search came to is in its result. Searches run
+/// side by side: the first silences, the last restores.
+#ifdef __EMSCRIPTEN__  // its log is compiled without comments (tools/web/build)
+struct QuietCeres {
+  QuietCeres() {}
+};
+#else
+class QuietCeres {
+ public:
+  QuietCeres() {
+    const std::lock_guard lock(mutex_);
+    if (n_searches_++ > 0) return;
+    level_ = FLAGS_minloglevel;
+    FLAGS_minloglevel = google::GLOG_ERROR;
+  }
+  ~QuietCeres() {
+    const std::lock_guard lock(mutex_);
+    if (--n_searches_ == 0) FLAGS_minloglevel = level_;
+  }
+  QuietCeres(const QuietCeres&) = delete;
+  QuietCeres& operator=(const QuietCeres&) = delete;
+
+ private:
+  static inline std::mutex mutex_;
+  static inline int n_searches_ = 0, level_ = 0;
+};
+#endif
+
+ceres::GradientProblemSolver::Options solver_options(double tolerance) {
+  ceres::GradientProblemSolver::Options options;
+  options.line_search_direction_type = ceres::BFGS;
+  options.line_search_type = ceres::WOLFE;
+  // by halves: polynomials would end elsewhere within the tolerance, and numbers would differ from earlier versions
+  options.line_search_interpolation_type = ceres::BISECTION;
+  options.max_num_iterations = 200;
+  options.function_tolerance = 0.0;  // the cost's size says nothing; the whitened gradient does
+  options.gradient_tolerance = tolerance;
+  options.parameter_tolerance = 1e-12;
+  options.logging_type = ceres::SILENT;
+  return options;
+}
+
+}  // namespace
+
+Maximum maximise(const LogLikelihood& loglik, const Eigen::VectorXd& start, const Eigen::MatrixXd& information,
+                 double tolerance) {
+  Maximum result;
+  result.x = start;
+  Eigen::VectorXd gradient;
+  result.loglik = loglik(start, &gradient);
+  result.n_evaluations = 1;
+  if (!std::isfinite(result.loglik)) return result;
+  const Eigen::MatrixXd white = whitening(information, 1e-6);
+  Eigen::VectorXd y = Eigen::VectorXd::Zero(start.size());
+  Evaluated last{y, transposed_product(white, gradient), result.loglik};
+  Evaluated best = last;
+  const WhitenedCost cost(loglik, start, white, result.loglik, last, best, result.n_evaluations);
+  ceres::GradientProblem problem(new WhitenedCost(cost));
+  ceres::GradientProblemSolver::Summary summary;
+  const QuietCeres quiet;
+  ceres::Solve(solver_options(tolerance), problem, y.data(), &summary);
+  // a search that fails, as where steps end in the impossible, gives nothing of what it found
+  if (!summary.IsSolutionUsable()) y = best.y;
+  result.x = start + product(white, y);
+  if (double ignored = 0.0; last.y != y && !cost.Evaluate(y.data(), &ignored, nullptr)) return result;
+  result.loglik = last.loglik;
+  result.gain_left = 0.5 * last.gradient_by_y.squaredNorm();
+  result.converged = summary.IsSolutionUsable() && result.gain_left < 1e-4;
+  return result;
+}
+
+}  // namespace bouncelab::fit
