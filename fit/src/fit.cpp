@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bouncelab/fit/fit.hpp"
+#include "bouncelab/core/numerics.hpp"
 
 #include <cmath>
 
@@ -46,14 +47,13 @@ bool drops_are_long(const RestitutionSamples& samples) {
 /// Adds an independent error to an estimate.
 void widen(Estimate& e, double se) {
   if (!(se > 0.0)) return;
-  constexpr double k95 = 1.959963984540054;
   const auto wider = [&](std::optional<Interval>& interval, double reach) {
     if (!interval) return;
     interval->lo = e.value - hypot(e.value - interval->lo, reach * se);
     interval->hi = e.value + hypot(interval->hi - e.value, reach * se);
   };
   wider(e.ci68, 1.0);
-  wider(e.ci95, k95);
+  wider(e.ci95, kNormal95);
   if (e.se) *e.se = hypot(*e.se, se);
   if (e.se_independent) *e.se_independent = hypot(*e.se_independent, se);
 }
@@ -74,10 +74,6 @@ void widen_law(Fit& law, const LawModel& model, const Eigen::VectorXd& q, const 
     for (std::size_t j = 0; j < law.covariance.size(); ++j)
       law.covariance[i][j] += of_parameters(row, static_cast<Eigen::Index>(j));
   }
-  for (std::size_t i = 0; i < law.covariance.size(); ++i)
-    for (std::size_t j = 0; j < law.covariance.size(); ++j)
-      law.correlation[i][j] =
-          i == j ? 1.0 : law.covariance[i][j] / std::sqrt(law.covariance[i][i] * law.covariance[j][j]);
 }
 
 /// Values q of a law that was fitted.

@@ -112,7 +112,7 @@ OutputFile::OutputFile(fs::path path, bool may_replace) {
   const mode_t mode = to_stream ? 0600 : target.kind == FileTarget::Kind::regular ? (target.mode & 0777) | 0600 : 0666;
   try {
     TemporaryFile temporary = make_temporary_file(folder, mode);
-    state_ = std::make_unique<State>();
+    state_ = std::make_shared<State>();
     state_->path = std::move(path);
     state_->target = std::move(target);
     state_->may_replace = may_replace;
@@ -124,8 +124,6 @@ OutputFile::OutputFile(fs::path path, bool may_replace) {
                                        error.code().message() + "); choose another folder or check its permissions");
   }
 }
-
-OutputFile::~OutputFile() = default;
 
 int OutputFile::descriptor() const { return state_->temporary.descriptor.get(); }
 const fs::path& OutputFile::folder() const { return state_->folder; }

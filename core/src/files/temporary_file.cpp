@@ -102,7 +102,7 @@ struct ScratchFile::State {
   std::int64_t size = 0;
 };
 
-ScratchFile::ScratchFile(const std::filesystem::path& folder, std::string name) : state_(std::make_unique<State>()) {
+ScratchFile::ScratchFile(const std::filesystem::path& folder, std::string name) : state_(std::make_shared<State>()) {
   state_->name = std::move(name);
   try {
     state_->file = make_nameless_file(folder);
@@ -111,10 +111,6 @@ ScratchFile::ScratchFile(const std::filesystem::path& folder, std::string name) 
                     "a temporary file in " + folder.string() + " cannot be made: " + error.code().message());
   }
 }
-
-ScratchFile::ScratchFile(ScratchFile&&) noexcept = default;
-ScratchFile& ScratchFile::operator=(ScratchFile&&) noexcept = default;
-ScratchFile::~ScratchFile() = default;
 
 std::int64_t ScratchFile::append(std::string_view bytes) {
   if (const int error = write_all(state_->file.get(), bytes.data(), bytes.size()); error != 0)
@@ -165,6 +161,8 @@ std::string content_of(int descriptor) {
 struct FolderLock::State {
   fs::path path;
   Descriptor file;
+
+  ~State() { ::unlink(path.c_str()); }
 };
 
 FolderLock::FolderLock(const fs::path& folder) {
@@ -184,11 +182,9 @@ FolderLock::FolderLock(const fs::path& folder) {
     const std::string number = std::to_string(::getpid()) + "\n";
     if (::ftruncate(file.get(), 0) != 0 || write_all(file.get(), number.data(), number.size()) != 0)
       errno = 0;  // a full disk: only the number is missing in the message of the one that is refused
-    state_ = std::make_unique<State>(State{path, std::move(file)});
+    state_.reset(new State{path, std::move(file)});
     return;
   }
 }
-
-FolderLock::~FolderLock() { ::unlink(state_->path.c_str()); }
 
 }  // namespace bouncelab

@@ -262,14 +262,10 @@ struct TableReader::State {
 };
 
 TableReader::TableReader(std::istream& in, const std::string& name, const std::vector<ColumnSpec>& wanted)
-    : state_(std::make_unique<State>(in, name, wanted)) {}
+    : state_(std::make_shared<State>(in, name, wanted)) {}
 TableReader::TableReader(const std::filesystem::path& path, const std::vector<ColumnSpec>& wanted)
-    : state_(std::make_unique<State>(open_text(path), input_name(path), wanted)) {}
+    : state_(std::make_shared<State>(open_text(path), input_name(path), wanted)) {}
 TableReader::TableReader(Table table) : in_memory_(std::move(table)) {}
-TableReader::TableReader(TableReader&&) noexcept = default;
-TableReader& TableReader::operator=(TableReader&&) noexcept = default;
-TableReader::~TableReader() = default;
-
 Table TableReader::next(std::size_t max_rows) {
   if (!state_) {
     Table empty;

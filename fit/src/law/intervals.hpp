@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <optional>
 
+#include "bouncelab/core/numerics.hpp"
 #include "bouncelab/fit/estimate.hpp"
 #include "law/law_likelihood.hpp"
 #include "numerics/numerics.hpp"
@@ -18,7 +19,7 @@ struct ProfileIntervals {
 
 /// How far the likelihood falls to the ends of intervals, as the signed root of twice the fall.
 struct ProfileLevels {
-  double z68 = 1.0, z95 = 1.959963984540054;  ///< of very many samples
+  double z68 = 1.0, z95 = kNormal95;  ///< of very many samples
 };
 /// Of n samples about a curve of n_location parameters whose scatter is not known: where the likelihood of normal
 /// scatter is at the ends of the exact interval by Student's t, z^2 = n log(1 + t^2 / (n - n_location)). A curve
@@ -52,7 +53,7 @@ std::optional<ProfileIntervals> profile_intervals(const LogLikelihood& loglik, c
 /// scores are too small by what each drop takes from the fit; the observed information of single drops would be mostly
 /// noise. Sources: Liang & Zeger, Biometrika 73, 13 (1986), doi:10.1093/biomet/73.1.13; Bell & McCaffrey, Survey
 /// Methodology 28, 169 (2002); MacKinnon, Nielsen & Webb, J. Appl. Econometrics 38, 671 (2023), doi:10.1002/jae.2969.
-struct ErrorsByDrop {
+struct JackknifeErrors {
   Eigen::MatrixXd moves;      ///< theta_(-d) - theta, a column a drop
   Eigen::MatrixXd curvature;  ///< H in those coordinates
   std::size_t n_drops() const { return static_cast<std::size_t>(moves.cols()); }
@@ -70,12 +71,12 @@ struct ErrorsByDrop {
 /// At the maximum theta. @param white  the model's own covariance is white white^T
 /// @return nullopt for fewer than kFewestDrops drops, and where the fit depends on a single drop: more than nine tenths
 ///         of what is known of some combination of parameters would be gone with it
-std::optional<ErrorsByDrop> errors_by_drop(const LawLikelihood& likelihood, const Eigen::VectorXd& theta,
-                                           const Eigen::MatrixXd& white);
+std::optional<JackknifeErrors> errors_by_drop(const LawLikelihood& likelihood, const Eigen::VectorXd& theta,
+                                              const Eigen::MatrixXd& white);
 
 /// The same with single samples in the place of drops: errors that hold whatever the density of the scatter, if samples
 /// are independent. @return nullopt for fewer than 30 samples a parameter
-std::optional<ErrorsByDrop> errors_by_sample(const LawLikelihood& likelihood, const Eigen::VectorXd& theta,
-                                             const Eigen::MatrixXd& white);
+std::optional<JackknifeErrors> errors_by_sample(const LawLikelihood& likelihood, const Eigen::VectorXd& theta,
+                                                const Eigen::MatrixXd& white);
 
 }  // namespace bouncelab::fit

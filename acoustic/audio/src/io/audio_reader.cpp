@@ -78,11 +78,7 @@ struct AudioReader::State {
 };
 
 AudioReader::AudioReader(const std::filesystem::path& path, std::optional<double> rate_hz, int track)
-    : state_(std::make_unique<State>(path, rate_hz, track)) {}
-
-AudioReader::AudioReader(AudioReader&&) noexcept = default;
-AudioReader& AudioReader::operator=(AudioReader&&) noexcept = default;
-AudioReader::~AudioReader() = default;
+    : state_(std::make_shared<State>(path, rate_hz, track)) {}
 
 const AudioFormat& AudioReader::format() const { return state_->info; }
 
@@ -129,7 +125,8 @@ std::vector<int> AudioReader::channels_with_sound() const {
 AudioSource AudioReader::source(int channel) const {
   const AudioFormat& of = format();
   return {of.rate_hz, of.n_frames,
-          [this, channel](std::int64_t first, std::span<float> out) { read(first, channel, out); }, of.silences};
+          [reader = *this, channel](std::int64_t first, std::span<float> out) { reader.read(first, channel, out); },
+          of.silences};
 }
 
 }  // namespace bouncelab::audio

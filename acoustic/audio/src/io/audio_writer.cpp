@@ -191,7 +191,7 @@ struct AudioWriter::State {
 AudioWriter::AudioWriter(const std::filesystem::path& path, const AudioSpec& spec, std::int64_t n_frames,
                          bool may_replace) {
   SF_INFO info = checked_info(path, spec, n_frames);
-  state_ = std::make_unique<State>(path, spec.encoding, may_replace);
+  state_ = std::make_shared<State>(path, spec.encoding, may_replace);
   state_->sink.descriptor = state_->output.descriptor();
   SF_VIRTUAL_IO calls{length_of, seek_in, read_from, write_to, place_in};
   state_->file = sf_open_virtual(&calls, SFM_WRITE, &info, &state_->sink);
@@ -199,10 +199,6 @@ AudioWriter::AudioWriter(const std::filesystem::path& path, const AudioSpec& spe
   // the PEAK chunk carries the time of writing: the same sound would not be the same bytes
   sf_command(state_->file, SFC_SET_ADD_PEAK_CHUNK, nullptr, SF_FALSE);
 }
-
-AudioWriter::~AudioWriter() = default;
-AudioWriter::AudioWriter(AudioWriter&&) noexcept = default;
-AudioWriter& AudioWriter::operator=(AudioWriter&&) noexcept = default;
 
 void AudioWriter::write(std::span<const double> interleaved) {
   if (state_->encoding == SampleEncoding::float32) {

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <mutex>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -113,13 +114,14 @@ std::string description_of(int format) {
 struct PlainSamples::State {
   std::int64_t n_channels, n_frames;
   ByteCursor cursor;
-  SoundFile file;
+  SoundFile file{};
   std::int64_t next_frame = 0;
+  std::mutex reading{};
 };
 
 PlainSamples::PlainSamples(const FileBytes& bytes, const PlainSound& sound)
     : state_(new State{
-          sound.info.n_channels, sound.info.n_frames, {bytes, sound.first_byte, bytes.size() - sound.first_byte}, {}}) {
+          sound.info.n_channels, sound.info.n_frames, {bytes, sound.first_byte, bytes.size() - sound.first_byte}}) {
   SF_INFO header{};
   header.format = SF_FORMAT_RAW | sound.coding;
   header.channels = sound.info.n_channels;
@@ -129,11 +131,9 @@ PlainSamples::PlainSamples(const FileBytes& bytes, const PlainSound& sound)
   if (!state_->file) throw FileError(bytes.name(), "cannot be read (" + reason_of_refusal() + ")");
 }
 
-PlainSamples::~PlainSamples() = default;
-
 void PlainSamples::read(std::int64_t first, std::span<float> interleaved) {
-  const std::lock_guard lock(reading_);
   State& s = *state_;
+  const std::lock_guard lock(s.reading);
   if (first != s.next_frame) sf_seek(s.file.get(), first, SEEK_SET);
   const std::int64_t n = std::ssize(interleaved) / s.n_channels;
   const std::int64_t got = std::max<std::int64_t>(0, sf_readf_float(s.file.get(), interleaved.data(), n));
@@ -194,8 +194,6 @@ SoundDecoder::SoundDecoder(const FileBytes& bytes) : state_(new State{{bytes, 0,
   s.has_length = s.info.n_frames != SF_COUNT_MAX;
   s.piece.resize(static_cast<std::size_t>(kFramesAtOnce * header.channels));
 }
-
-SoundDecoder::~SoundDecoder() = default;
 
 const SoundInfo& SoundDecoder::info() const { return state_->info; }
 

@@ -4,7 +4,6 @@
 
 #include <cstdint>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <span>
 #include <string>
@@ -112,9 +111,6 @@ class NotForLibsndfile : public FileError {
 class PlainSamples {
  public:
   PlainSamples(const FileBytes& bytes, const PlainSound& sound);
-  PlainSamples(const PlainSamples&) = delete;
-  PlainSamples& operator=(const PlainSamples&) = delete;
-  ~PlainSamples();
 
   /// Interleaved frames from `first` on, all of them inside the sound; from any thread.
   /// @throws FileError where the file ends early or cannot be read
@@ -122,8 +118,7 @@ class PlainSamples {
 
  private:
   struct State;
-  std::mutex reading_;
-  std::unique_ptr<State> state_;
+  std::shared_ptr<State> state_;
 };
 
 /// Coded sound from its begin to its end: no limit on time and memory, which a damaged file may use up, so that
@@ -132,9 +127,6 @@ class SoundDecoder {
  public:
   /// Reads the header. @throws NotForLibsndfile; FileError naming the remedy
   explicit SoundDecoder(const FileBytes& bytes);
-  SoundDecoder(const SoundDecoder&) = delete;
-  SoundDecoder& operator=(const SoundDecoder&) = delete;
-  ~SoundDecoder();
 
   /// n_frames as the header says, which may be wrong.
   const SoundInfo& info() const;
@@ -146,7 +138,7 @@ class SoundDecoder {
 
  private:
   struct State;
-  std::unique_ptr<State> state_;
+  std::shared_ptr<State> state_;
 };
 
 /// What is known once all was decoded. @param n_found  frames. @throws FileError where there are none

@@ -76,9 +76,6 @@ class OutputFile {
   /// @throws FileExists where the file exists and may not be replaced; FileError where the folder does not exist or
   ///         cannot be written, or the name is too long
   OutputFile(std::filesystem::path path, bool may_replace);
-  OutputFile(const OutputFile&) = delete;
-  OutputFile& operator=(const OutputFile&) = delete;
-  ~OutputFile();
 
   /// The file as it is until commit(), open for writing and reading.
   int descriptor() const;
@@ -91,7 +88,7 @@ class OutputFile {
 
  private:
   struct State;
-  std::unique_ptr<State> state_;
+  std::shared_ptr<State> state_;
 };
 
 /// Writes `content` whole or not at all. @throws FileError
@@ -127,9 +124,6 @@ class ScratchFile {
   /// @param folder  on whose file system it lies
   /// @param name    for people, of what it is needed for. @throws FileError
   ScratchFile(const std::filesystem::path& folder, std::string name);
-  ScratchFile(ScratchFile&&) noexcept;
-  ScratchFile& operator=(ScratchFile&&) noexcept;
-  ~ScratchFile();
 
   /// @return where it begins. @throws FileError (disk full)
   std::int64_t append(std::string_view bytes);
@@ -138,22 +132,20 @@ class ScratchFile {
 
  private:
   struct State;
-  std::unique_ptr<State> state_;
+  std::shared_ptr<State> state_;
 };
 
 /// A folder belongs to one process at a time: a file .bouncelab.lock in it, locked, which holds the number of the
-/// process. The lock ends with the process, however that ends; the destructor deletes the file.
+/// process. The lock ends with the process, however that ends; with the last copy of this the file is
+/// deleted.
 class FolderLock {
  public:
   /// @throws FileError where another process has the folder, naming its number, or the file cannot be made
   explicit FolderLock(const std::filesystem::path& folder);
-  FolderLock(const FolderLock&) = delete;
-  FolderLock& operator=(const FolderLock&) = delete;
-  ~FolderLock();
 
  private:
   struct State;
-  std::unique_ptr<State> state_;
+  std::shared_ptr<State> state_;
 };
 
 #if defined(__SANITIZE_ADDRESS__)

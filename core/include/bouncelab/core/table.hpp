@@ -161,15 +161,12 @@ class TableReader {
   TableReader(std::istream& in, const std::string& name, const std::vector<ColumnSpec>& wanted);
   /// A table that is in memory already: its first piece is all of it.
   explicit TableReader(Table table);
-  TableReader(TableReader&&) noexcept;
-  TableReader& operator=(TableReader&&) noexcept;
-  ~TableReader();
   /// The next rows of the file, at most so many; none after the last. @throws FileError
   Table next(std::size_t max_rows);
 
  private:
   struct State;
-  std::unique_ptr<State> state_;  // of a file
+  std::shared_ptr<State> state_;  // of a file
   Table in_memory_;
 };
 

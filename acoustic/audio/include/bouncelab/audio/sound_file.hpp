@@ -78,7 +78,7 @@ struct AudioFormat {
 /// they overlap, what came first stays: the times of what follows are those of the container. A jump of more than a
 /// minute, or back by more than a second, is a minute of zeros, and format().warning says so. Where the header gives
 /// another length than the file has, or none, what is there is read, and format().warning says so. May be read by
-/// several threads.
+/// several threads. A copy is of the same recording.
 class AudioReader {
  public:
   /// @param rate_hz  sampling rate of numbers that come without one
@@ -88,9 +88,6 @@ class AudioReader {
   ///         InvalidArgument where rate_hz is given for a file with a rate of its own, or is out of range, or there is
   ///         no such track
   explicit AudioReader(const std::filesystem::path& path, std::optional<double> rate_hz = std::nullopt, int track = 0);
-  AudioReader(AudioReader&&) noexcept;
-  AudioReader& operator=(AudioReader&&) noexcept;
-  ~AudioReader();
 
   const AudioFormat& format() const;
 
@@ -102,12 +99,12 @@ class AudioReader {
   /// @throws FileError as read()
   std::vector<int> channels_with_sound() const;
 
-  /// One channel as an AudioSource; it refers to this reader, which must outlive it.
+  /// One channel as an AudioSource, which keeps the recording open.
   AudioSource source(int channel) const;
 
  private:
   struct State;
-  std::unique_ptr<State> state_;
+  std::shared_ptr<State> state_;
 };
 
 /// The version of the ffmpeg that has decoded a recording in this process; empty where none has.
@@ -131,23 +128,20 @@ class AudioWriter {
   /// @throws InvalidArgument naming extension, rate, channels or encoding where the container cannot hold it
   /// @throws FileError where the file cannot be written
   AudioWriter(const std::filesystem::path& path, const AudioSpec& spec, std::int64_t n_frames, bool may_replace);
-  ~AudioWriter();
-  AudioWriter(AudioWriter&&) noexcept;
-  AudioWriter& operator=(AudioWriter&&) noexcept;
 
   /// Appends samples, interleaved by channel, full scale = 1. Integers are rounded to nearest; what is beyond full
   /// scale is clipped to it. @throws FileError (disk full)
   void write(std::span<const double> interleaved);
   /// The same of floats, which float32 holds as they are, also those beyond full scale that a decoder gives.
   void write(std::span<const float> interleaved);
-  /// Closes the file and puts it in place; without it the destructor removes what was written. @throws FileError
+  /// Closes the file and puts it in place; without it nothing is left. @throws FileError
   void commit();
 
  private:
   void write_floats(std::span<const float> interleaved);
 
   struct State;
-  std::unique_ptr<State> state_;
+  std::shared_ptr<State> state_;
 };
 
 /// The samples as they would be read back from a file of this encoding: rounded and clipped like AudioWriter does.
