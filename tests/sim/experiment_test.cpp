@@ -46,7 +46,7 @@ TEST(Simulate, GivesTheSameDropsAloneAndInTurnWhereSomeEndEarly) {
     ASSERT_EQ(together.size(), numbers.size());
     std::set<std::size_t> lengths;
     for (std::size_t k = 0; k < numbers.size(); ++k) {
-      const DropResult alone = simulate_drop(config, envelope, numbers[k]);
+      const DropResult alone = simulate_drops(config, envelope, std::array{numbers[k]}).front();
       EXPECT_EQ(bytes(together[k].impacts), bytes(alone.impacts));
       EXPECT_EQ(together[k].end, alone.end);
       EXPECT_EQ(together[k].energy.remaining_j, alone.energy.remaining_j);

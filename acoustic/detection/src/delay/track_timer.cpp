@@ -18,6 +18,18 @@ constexpr double kLagsPerSample = 4.0;  // of a search, both sides of the centre
 
 using TimedImpacts = std::vector<TimedImpact>;
 
+/// A track while it is being timed.
+struct TimedTrack {
+  ImpactTimer timer;  ///< with the impacts known so far
+  TimedImpacts impacts;
+
+  /// Its ringing is subtracted from then on.
+  void append(const TimedImpact& impact) {
+    timer.subtract_from_later(impact.fit);
+    impacts.push_back(impact);
+  }
+};
+
 /// Ratios of the last intervals, sorted.
 std::vector<double> last_ratios(const TimedImpacts& track) {
   std::vector<double> ratios;
@@ -93,17 +105,19 @@ bool search_missing(TimedTrack& track, const Prediction& p) {
   if (!is_supported(track.timer, impact, last, n_lags, p.min_llr_ratio)) return false;
   impact.probability = probability_of_inferred(
       impact.fit.log_likelihood_ratio / std::max(impact.fit.noise, impact.fit.residual_variance), n_lags);
-  append(track, impact);
+  track.append(impact);
   return true;
 }
 
-}  // namespace
+/// An impact to come.
+struct PredictedImpact {
+  double t_s = 0.0;
+  double flight_s = 0.0;  ///< before it
+};
 
-void append(TimedTrack& track, const TimedImpact& impact) {
-  track.timer.subtract_from_later(impact.fit);
-  track.impacts.push_back(impact);
-}
-
+/// The next impact, by the eps of the last ones: the median of what the last impact, the one before it and the one
+/// before that predict, each with the flight that ends there: one of them may be in a wrong place. Needs two impacts,
+/// in time order.
 PredictedImpact predict_next(const TimedImpacts& track) {
   const double eps = predicted_eps(track);
   std::vector<PredictedImpact> predicted;
@@ -118,6 +132,7 @@ PredictedImpact predict_next(const TimedImpacts& track) {
   return predicted[predicted.size() / 2];
 }
 
+/// Searches for the impacts between the last one and the next candidate.
 void fill_gap(TimedTrack& track, std::int64_t next_impact, double next_s) {
   while (track.impacts.back().impact + 1 < next_impact) {
     const std::int64_t impact = track.impacts.back().impact + 1;
@@ -136,6 +151,8 @@ void fill_gap(TimedTrack& track, std::int64_t next_impact, double next_s) {
   }
 }
 
+/// Continues the track beyond its last impact, which may be a single loss or gain.
+/// @param end_s  impacts are searched for up to it
 void extend(TimedTrack& track, double end_s) {
   const double shortest_s =
       std::max(kDelay.least_interval_s,
@@ -149,8 +166,6 @@ void extend(TimedTrack& track, double end_s) {
     if (!search_missing(track, next)) return;
   }
 }
-
-namespace {
 
 /// All places where the impact of a candidate may be: as far before it as the longest window in which a rise is found,
 /// and as far behind as a codec's noise goes before an attack.
@@ -218,7 +233,7 @@ void add_candidate(TimedTrack& track, const std::vector<Candidate>& candidates, 
     timed.fit = alone ? *alone : find_everywhere(track.timer, c, timed.fit, before_s, after_s, next_s);
   }
   timed.overlap = next_s - c.t_s < track.timer.template_s();
-  append(track, timed);
+  track.append(timed);
 }
 
 /// Puts each impact on its most probable time, and times anew those that moved or whose window reached an impact found

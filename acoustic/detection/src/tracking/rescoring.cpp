@@ -62,6 +62,25 @@ std::vector<std::size_t> explained_by(const Observations& o, const std::vector<s
   return explained;
 }
 
+/// A track's own sounds, with what it explains not counted among their neighbours.
+struct OwnSounds {
+  std::vector<std::size_t> candidates;  ///< indices, rising
+  std::vector<std::size_t> explained;   ///< these and their echoes, rising
+  std::vector<Observation> seen;        ///< of each
+  std::vector<double> same_source;      ///< weight of one source of each and the next
+};
+
+OwnSounds own_sounds(const Observations& o, const Track& track) {
+  OwnSounds own;
+  for (const TrackImpact& impact : track.impacts) own.candidates.push_back(impact.candidate);
+  own.explained = explained_by(o, own.candidates);
+  for (std::size_t n = 0; n < own.candidates.size(); ++n) {
+    own.seen.push_back(o.without(own.candidates[n], own.explained));
+    if (n > 0) own.same_source.push_back(o.same_source(own.candidates[n - 1], own.candidates[n]));
+  }
+  return own;
+}
+
 /// The first impact was chosen before the ball was known, and those before it may have cost odds then: now it stands
 /// for choice again, and impacts before it are looked for.
 /// @param first_free  candidates before this one belong to the track before
@@ -154,17 +173,6 @@ double log_evidence(double p, double log_odds) { return log_of_sum(log(p) + log_
 bool ends_before(const Track& a, const Track& b) { return a.impacts.back().candidate < b.impacts.front().candidate; }
 
 }  // namespace
-
-OwnSounds own_sounds(const Observations& o, const Track& track) {
-  OwnSounds own;
-  for (const TrackImpact& impact : track.impacts) own.candidates.push_back(impact.candidate);
-  own.explained = explained_by(o, own.candidates);
-  for (std::size_t n = 0; n < own.candidates.size(); ++n) {
-    own.seen.push_back(o.without(own.candidates[n], own.explained));
-    if (n > 0) own.same_source.push_back(o.same_source(own.candidates[n - 1], own.candidates[n]));
-  }
-  return own;
-}
 
 std::vector<Track> rescored(const Observations& o, std::vector<Track> tracks) {
   for (Track& track : tracks) track.log_odds = log_odds_of(o, track);

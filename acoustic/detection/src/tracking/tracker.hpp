@@ -46,16 +46,6 @@ std::vector<Track> find_tracks(const std::vector<Candidate>& candidates, double 
                                const SameSource& same_source = {}, double duration_s = HUGE_VAL,
                                std::optional<double> elastic_flight_s = {});
 
-/// A track's own sounds, with what it explains not counted among their neighbours.
-struct OwnSounds {
-  std::vector<std::size_t> candidates;  ///< indices, rising
-  std::vector<std::size_t> explained;   ///< these and their echoes, rising
-  std::vector<Observation> seen;        ///< of each
-  std::vector<double> same_source;      ///< weight of one source of each and the next
-};
-
-OwnSounds own_sounds(const Observations& observations, const Track& track);
-
 /// The tracks once more, now that the balls are known: which observation each begins with, and its log odds with its
 /// own sounds and their echoes not counted as clutter. What a surer track has claimed since is no other's.
 /// @param tracks  one after the other in time

@@ -23,11 +23,6 @@ double largest_magnitude(std::span<const double> samples, double so_far = 0.0) {
   return so_far;
 }
 
-double largest_magnitude(std::span<float> samples) {
-  for (float& y : samples) y = std::abs(y);
-  return static_cast<double>(audio::largest(samples));
-}
-
 double sum_of_magnitudes(const PoleValues& values) {
   const double *re = values.re.data(), *im = values.im.data();
   const std::size_t n = values.size();
@@ -85,22 +80,13 @@ double WaveMeter::ringing_energy(const PoleValues& d) const {
 }
 
 double WaveMeter::ringing_peak(PoleValues ringing, double peak) const {
-  // single precision tells within this share of the sum of amplitudes, which bounds the peak, where to look
-  constexpr double kSingle = 1e-6;
-  std::array<float, static_cast<std::size_t>(ResonatorBank::kBlock)> block;
-  std::array<double, static_cast<std::size_t>(ResonatorBank::kBlock)> exact;
-  PoleValues before(ringing.size());
-  for (;;) {
-    const double bound = sum_of_magnitudes(ringing);
-    if (bound <= peak) return peak;
-    before = ringing;
-    block.fill(0.0F);
+  std::array<double, static_cast<std::size_t>(ResonatorBank::kBlock)> block;
+  while (sum_of_magnitudes(ringing) > peak) {  // which bounds all that follows
+    block.fill(0.0);
     bank_.ring(ringing, 0.0, block);
-    if (largest_magnitude(block) + kSingle * bound <= peak) continue;
-    exact.fill(0.0);
-    bank_.ring(before, 0.0, exact);
-    peak = largest_magnitude(exact, peak);
+    peak = largest_magnitude(block, peak);
   }
+  return peak;
 }
 
 double WaveMeter::peak(const ContactWave& wave) const {

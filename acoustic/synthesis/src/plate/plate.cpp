@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/numerics.hpp"
@@ -292,27 +293,25 @@ struct PlateModes::Shapes {
   std::vector<DiskMode> disk;
 };
 
-PlateModes::PlateModes(const Ground& ground, double max_frequency_hz)
-    : ground_(ground), shapes_(std::make_unique<Shapes>()) {
+PlateModes::PlateModes(const Ground& ground, double max_frequency_hz) : ground_(ground) {
   const RectangularPlate& plate = ground.carrier;
-  shapes_->carrier = free_rectangle_modes(plate.length_x_m, plate.length_y_m, plate.material.poisson_ratio,
-                                          wavenumber_at(max_frequency_hz, plate.thickness_m, plate.material));
-  for (const RectangularMode& mode : shapes_->carrier.modes)
+  Shapes shapes{free_rectangle_modes(plate.length_x_m, plate.length_y_m, plate.material.poisson_ratio,
+                                     wavenumber_at(max_frequency_hz, plate.thickness_m, plate.material)),
+                {}};
+  for (const RectangularMode& mode : shapes.carrier.modes)
     modes_.push_back(plate_mode(mode.wavenumber_per_m, plate.thickness_m, plate.length_x_m * plate.length_y_m,
                                 plate.material, ground.carrier_damping, false));
-  if (!ground.disk) return;
-  const CircularDisk& disk = *ground.disk;
-  shapes_->disk = free_disk_modes(disk.radius_m, disk.material.poisson_ratio,
+  if (ground.disk) {
+    const CircularDisk& disk = *ground.disk;
+    shapes.disk = free_disk_modes(disk.radius_m, disk.material.poisson_ratio,
                                   wavenumber_at(max_frequency_hz, disk.thickness_m, disk.material));
-  for (const DiskMode& mode : shapes_->disk)
-    modes_.push_back(plate_mode(mode.wavenumber_per_m, disk.thickness_m,
-                                std::numbers::pi * disk.radius_m * disk.radius_m, disk.material, ground.disk_damping,
-                                true));
+    for (const DiskMode& mode : shapes.disk)
+      modes_.push_back(plate_mode(mode.wavenumber_per_m, disk.thickness_m,
+                                  std::numbers::pi * disk.radius_m * disk.radius_m, disk.material, ground.disk_damping,
+                                  true));
+  }
+  shapes_ = std::make_shared<const Shapes>(std::move(shapes));
 }
-
-PlateModes::~PlateModes() = default;
-PlateModes::PlateModes(PlateModes&&) noexcept = default;
-PlateModes& PlateModes::operator=(PlateModes&&) noexcept = default;
 
 void PlateModes::shapes_under_ball(double x_m, double y_m, std::span<double> shapes) const {
   const std::size_t n_carrier = shapes_->carrier.modes.size();

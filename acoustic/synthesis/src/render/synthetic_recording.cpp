@@ -81,12 +81,8 @@ const Impacts& checked(const Impacts& impacts, const SynthesisConfig& config) {
 
 SyntheticRecording::SyntheticRecording(const Impacts& impacts, const SynthesisConfig& config,
                                        std::shared_ptr<const Instrument> instrument)
-    : state_(std::make_unique<State>(checked(impacts, config), config,
-                                     instrument ? std::move(instrument) : make_instrument(config))) {}
-
-SyntheticRecording::~SyntheticRecording() = default;
-SyntheticRecording::SyntheticRecording(SyntheticRecording&&) noexcept = default;
-SyntheticRecording& SyntheticRecording::operator=(SyntheticRecording&&) noexcept = default;
+    : state_(std::make_shared<const State>(checked(impacts, config), config,
+                                           instrument ? std::move(instrument) : make_instrument(config))) {}
 
 std::int64_t SyntheticRecording::n_frames() const { return state_->n_frames; }
 const std::vector<TrueImpact>& SyntheticRecording::truth() const { return state_->truth; }

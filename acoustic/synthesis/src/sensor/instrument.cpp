@@ -56,8 +56,6 @@ std::vector<Complex> all_poles(const PlateModes& plate, const Sensor& sensor) {
 
 }  // namespace
 
-Sensor piezo_sensor() { return {}; }
-
 Sensor microphone() {
   return {SensorKind::microphone, 40.0, 20.0e3, 0.70711, {{1.9e-3, 0.4}, {4.3e-3, -0.25}, {7.8e-3, 0.2}},
           {-15.0, 0.25}};

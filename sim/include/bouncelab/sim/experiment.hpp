@@ -85,8 +85,6 @@ inline constexpr std::size_t kDropsInTurn = 8;
 /// @throws InvalidArgument where the ball starts inside the plate
 std::vector<DropResult> simulate_drops(const SimulationConfig& config, const Envelope& envelope,
                                        std::span<const std::int64_t> numbers);
-/// One of them.
-DropResult simulate_drop(const SimulationConfig& config, const Envelope& envelope, std::int64_t drop);
 
 struct SimulationResult {
   Impacts impacts;  ///< ordered by drop and time
@@ -105,7 +103,7 @@ using DropSink = std::function<void(std::size_t k, DropResult&& drop)>;
 
 /// The drops of the configuration, in parallel: of each thread no more than kDropsInTurn are held here.
 /// @param progress  called with drops done; may throw to stop
-/// @throws InvalidArgument as `validate` and `simulate_drop`
+/// @throws InvalidArgument as `validate` and `simulate_drops`
 void simulate_each(const SimulationConfig& config, const Surface& surface, const DropSink& sink,
                    const ProgressCallback& progress = {});
 
@@ -129,7 +127,7 @@ class SimulationCounts {
 /// All drops, in parallel; the bytes of the result depend neither on the number of threads nor on which other drops
 /// are simulated with them.
 /// @param progress  called with drops done; may throw to stop
-/// @throws InvalidArgument as `validate` and `simulate_drop`
+/// @throws InvalidArgument as `validate` and `simulate_drops`
 SimulationResult simulate(const SimulationConfig& config, const Surface& surface,
                           const ProgressCallback& progress = {});
 

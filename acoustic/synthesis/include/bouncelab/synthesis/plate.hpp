@@ -72,9 +72,6 @@ class PlateModes {
  public:
   /// @param max_frequency_hz  modes above are left out, > 0
   PlateModes(const Ground& ground, double max_frequency_hz);
-  ~PlateModes();
-  PlateModes(PlateModes&&) noexcept;
-  PlateModes& operator=(PlateModes&&) noexcept;
 
   /// By rising frequency, carrier before disk.
   const std::vector<PlateMode>& modes() const { return modes_; }
@@ -88,7 +85,7 @@ class PlateModes {
   struct Shapes;
   Ground ground_;
   std::vector<PlateMode> modes_;
-  std::unique_ptr<Shapes> shapes_;
+  std::shared_ptr<const Shapes> shapes_;
 };
 
 /// Frequency [Hz] of a flexural wave of wavenumber k in a plate of Mindlin's theory; Kirchhoff's for k h -> 0.

@@ -39,7 +39,8 @@ struct Reverberation {
 ///
 ///   H(s) = s^2  s / (s + w_h)  w_r^2 / (s^2 + w_r s / Q + w_r^2)
 ///
-/// A microphone receives each mode through Rayleigh's integral over the plate at the mode's frequency, and echoes.
+/// By default a bare piezo disc glued to the plate: 25 kHz, Q = 2, charge amplifier from 150 Hz. A microphone receives
+/// each mode through Rayleigh's integral over the plate at the mode's frequency, and echoes.
 struct Sensor {
   SensorKind kind = SensorKind::piezo;
   double highpass_hz = 150.0;    ///< > 0
@@ -49,8 +50,6 @@ struct Sensor {
   Reverberation reverberation;   ///< of a microphone's room
 };
 
-/// A bare piezo disc glued to the plate: 25 kHz, Q = 2, charge amplifier from 150 Hz.
-Sensor piezo_sensor();
 /// A small condenser microphone: 40 Hz to 20 kHz without a peak, three early echoes of table and
 /// walls, a diffuse tail 15 dB down that lasts 0.25 s.
 Sensor microphone();
@@ -93,7 +92,7 @@ struct Levels {
 
 struct SynthesisConfig {
   Ground ground = ground_of(kGlass);
-  Sensor sensor = piezo_sensor();
+  Sensor sensor;
   std::vector<Channel> channels{Channel{}};  ///< 1 to 8; amplitudes and bounds refer to the first one that is not dead
   Ball ball;
   int rate_hz = 96000;  ///< 8000 to 2,000,000
@@ -157,9 +156,6 @@ class SyntheticRecording {
   /// @throws InvalidArgument naming the value: a setting out of range, no impacts ...; OffThePlate naming the impact
   SyntheticRecording(const Impacts& impacts, const SynthesisConfig& config,
                      std::shared_ptr<const Instrument> instrument = nullptr);
-  ~SyntheticRecording();
-  SyntheticRecording(SyntheticRecording&&) noexcept;
-  SyntheticRecording& operator=(SyntheticRecording&&) noexcept;
 
   std::int64_t n_frames() const;
   const std::vector<TrueImpact>& truth() const;
@@ -179,7 +175,7 @@ class SyntheticRecording {
 
  private:
   struct State;
-  std::unique_ptr<State> state_;
+  std::shared_ptr<const State> state_;
 };
 
 /// The configuration of one drop's own recording: gain and noise level from `levels`, another noise for each drop. A
