@@ -74,10 +74,6 @@ void widen_law(Fit& law, const LawModel& model, const Eigen::VectorXd& q, const 
     for (std::size_t j = 0; j < law.covariance.size(); ++j)
       law.covariance[i][j] += of_parameters(row, static_cast<Eigen::Index>(j));
   }
-  for (std::size_t i = 0; i < law.covariance.size(); ++i)
-    for (std::size_t j = 0; j < law.covariance.size(); ++j)
-      law.correlation[i][j] =
-          i == j ? 1.0 : law.covariance[i][j] / std::sqrt(law.covariance[i][i] * law.covariance[j][j]);
 }
 
 /// Values q of a law that was fitted.

@@ -50,7 +50,10 @@ Description members_of(const FitConfig*) {
           .set_by(set_method),
       member<&C::law, &LawFitConfig::n_bootstrap>("bootstrap", "Replicates of the bootstrap by drop, 0 = none")
           .within(0, 1e5),
-      member<&C::n_goodness>("goodness_replicates", "Replicates of the Anderson-Darling test, 0 = none").within(0, 1e5),
+      member<&C::n_goodness>(
+          "goodness_replicates",
+          "Replicates of the Anderson-Darling test, 0 = none; of fewer than 100 samples there is none")
+          .within(0, 1e5),
       member<&C::pool>("pool", "One answer for all recordings and drops, also where they do not agree"),
       member<&C::dem_speed_mps>("hand_off_speed",
                                 "Speed of the constant eps for DEM codes [m/s]; default the middle node")

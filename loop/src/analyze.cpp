@@ -11,24 +11,8 @@
 namespace bouncelab::loop {
 namespace {
 
-using Recordings = std::vector<detection::RecordingDetection>;
-
 ProgressCallback callback(const StageProgress& progress, const char* label, const char* unit) {
   return progress ? progress(label, unit) : ProgressCallback{};
-}
-
-Recordings detected(const std::vector<std::filesystem::path>& files, const AnalyzeConfig& config,
-                    const StageProgress& progress) {
-  Recordings recordings(files.size());
-  const auto take = [&](std::size_t k, detection::Detection&& found) {
-    recordings[k] = {files[k].string(), found.onsets.size(), std::move(found)};
-    if (config.with_details) return;
-    recordings[k].found.wave.reset();
-    recordings[k].found.noise.reset();
-  };
-  detection::detect_each(files, detection_config(config), config.n_threads, take,
-                         callback(progress, "detect", files.size() == 1 ? "s of sound" : "recordings"));
-  return recordings;
 }
 
 /// @param rate_hz  of numbers without a sampling rate
@@ -84,12 +68,28 @@ detection::DetectionConfig detection_config(const AnalyzeConfig& config) {
   return detection;
 }
 
+std::vector<detection::RecordingDetection> detect_all(const std::vector<std::filesystem::path>& files,
+                                                      const detection::DetectionConfig& config, int n_threads,
+                                                      bool with_details, const ProgressCallback& progress) {
+  std::vector<detection::RecordingDetection> recordings(files.size());
+  const auto take = [&](std::size_t k, detection::Detection&& found) {
+    recordings[k] = {files[k].string(), found.onsets.size(), std::move(found)};
+    if (with_details) return;
+    recordings[k].found.wave.reset();
+    recordings[k].found.noise.reset();
+  };
+  detection::detect_each(files, config, n_threads, take, progress);
+  return recordings;
+}
+
 Analysis analyze(const std::vector<std::filesystem::path>& recordings, const AnalyzeConfig& config,
                  const StageProgress& progress) {
   const auto sound_of = [&](const detection::RecordingDetection& r) {
     return sound_of_file(r, config.detection.rate_hz);
   };
-  return analyze_found(detected(recordings, config, progress), config, sound_of, progress);
+  return analyze_found(detect_all(recordings, detection_config(config), config.n_threads, config.with_details,
+                                  callback(progress, "detect", recordings.size() == 1 ? "s of sound" : "recordings")),
+                       config, sound_of, progress);
 }
 
 Analysis analyze_times(Onsets onsets, const AnalyzeConfig& config, const StageProgress& progress) {

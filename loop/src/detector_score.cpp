@@ -8,7 +8,7 @@
 
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/numerics.hpp"
-#include "bouncelab/detection/score.hpp"
+#include "bouncelab/detection/detect.hpp"
 
 namespace bouncelab::loop {
 namespace {

@@ -128,6 +128,10 @@ std::optional<double> common_speed(const std::vector<RecordingFit>& rows) {
   return best.empty() ? std::nullopt : std::optional(best[best.size() / 2]);
 }
 
+std::string file_name(const std::string& recording) {
+  return recording.empty() ? "without name" : printable(std::filesystem::path(recording).filename().string());
+}
+
 /// "ε at 0.5 m/s runs from 0.91 (a.wav) to 0.93 (b.wav)"; of recordings that no two have a common speed of, offsets.
 std::string extremes(const std::vector<RecordingFit>& rows) {
   using ValueOf = std::pair<double, const RecordingFit*>;
@@ -148,8 +152,7 @@ std::string extremes(const std::vector<RecordingFit>& rows) {
   const auto [least, greatest] = std::minmax_element(
       values.begin(), values.end(), [](const ValueOf& a, const ValueOf& b) { return a.first < b.first; });
   const auto in_brackets = [](const ValueOf& value) {
-    const std::string& name = value.second->recording;
-    return formatted("%.4f (", value.first) + (name.empty() ? "without name" : printable(name)) + ")";
+    return formatted("%.4f (", value.first) + file_name(value.second->recording) + ")";
   };
   return what + " runs from " + in_brackets(*least) + " to " + in_brackets(*greatest);
 }
@@ -176,10 +179,6 @@ std::vector<RecordingAnswer> answers_by_recording(const FitResult& result, const
     answers.push_back(std::move(answer));
   }
   return answers;
-}
-
-std::string file_name(const std::string& recording) {
-  return recording.empty() ? "without name" : printable(std::filesystem::path(recording).filename().string());
 }
 
 /// The middle one, or where eps steps near its speed one that lies beside the step.
@@ -238,24 +237,12 @@ std::string percent_lost(const SpeedAndRestitution& at) {
 }
 
 /// Where recordings differ by more than chance, or cannot be compared: their range instead of a value.
-std::string of_range(const PlainAnswer& answer, bool differ) {
-  const RecordingAnswer *least = nullptr, *greatest = nullptr;
-  for (const RecordingAnswer& r : answer.recordings) {
-    if (!r.at) continue;
-    if (!least || r.at->eps.value < least->at->eps.value) least = &r;
-    if (!greatest || r.at->eps.value > greatest->at->eps.value) greatest = &r;
-  }
-  std::string text =
-      formatted(differ ? "The %zu recordings differ by more than chance: "
-                       : "Whether the %zu recordings agree is not known, since each has too few bounces: ",
-                answer.recordings.size());
-  if (least)
-    text += "ε runs from " + rounded(least->at->eps.value, decimals_for(least->at->eps)) + " (" +
-            file_name(least->recording) + ", " + speed(least->at->v_mps) + ") to " +
-            rounded(greatest->at->eps.value, decimals_for(greatest->at->eps)) + " (" + file_name(greatest->recording) +
-            ", " + speed(greatest->at->v_mps) + "); ";
-  return text + (differ ? "use the value of each, since one value for all would belong to no ball."
-                        : "use the value of each (--pool makes one value of all).");
+std::string of_range(const Recordings& recordings) {
+  if (const auto differ = note_of_difference(recordings)) return as_sentence(*differ);
+  const std::string range = extremes(recordings.rows);
+  return formatted("Whether the %zu recordings agree is not known, since each has too few bounces: ",
+                   recordings.rows.size()) +
+         range + (range.empty() ? "" : "; ") + "use the value of each (--pool makes one value of all).";
 }
 
 /// "Dropped from about 5.2 cm (4.9 to 5.5 cm); from 52 impacts in 8.2 s."
@@ -375,7 +362,7 @@ PlainAnswer plain_answer(const FitResult& result, const RestitutionSamples& samp
         : result.kinds_of_drops && !disagree(result.recordings)
             ? as_sentence(note_of(*result.kinds_of_drops)) +
                   " Take them apart: one value for all would belong to no ball (--pool makes one)."
-            : of_range(answer, disagree(result.recordings)));
+            : of_range(result.recordings));
   }
   if (std::string drops = of_drops(answer.seen, answer.recordings.empty()); !drops.empty())
     answer.sentences.push_back(std::move(drops));

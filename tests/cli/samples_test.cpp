@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bouncelab/core/table.hpp"
-#include "bouncelab/detection/score.hpp"
+#include "bouncelab/detection/detect.hpp"
 #include "program.hpp"
 
 namespace bouncelab::cli_test {

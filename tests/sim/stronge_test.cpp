@@ -13,12 +13,12 @@ namespace {
 
 /// A lever up to 10 degrees off the vertical, speeds near 1 m/s, spin up to R omega = 1 m/s; a tenth without spin and
 /// sideways motion, a tenth without eccentricity.
-struct Approach {
+struct RubbingApproach {
   Vector3 lever_m;
   Motion motion;
   double mu, eps;
 };
-Approach random_approach(std::uint64_t k) {
+RubbingApproach random_rubbing_approach(std::uint64_t k) {
   Random random(5, RandomStream::test, k);
   const double r = Ball{}.radius_m;
   const double eccentric = k % 10 == 1 ? 0.0 : 0.17 * r, moving = k % 10 == 2 ? 0.0 : 1.0;
@@ -31,23 +31,23 @@ Approach random_approach(std::uint64_t k) {
   return {lever, {velocity, spin}, mu, eps};
 }
 
-Vector3 contact_velocity(const Motion& m, Vector3 lever) { return m.velocity_mps + cross(m.spin_radps, lever); }
+Vector3 velocity_of_contact(const Motion& m, Vector3 lever) { return m.velocity_mps + cross(m.spin_radps, lever); }
 
-bool approaches(const Approach& a) { return contact_velocity(a.motion, a.lever_m).z < -0.01; }
+bool approaches(const RubbingApproach& a) { return velocity_of_contact(a.motion, a.lever_m).z < -0.01; }
 
 /// The definition followed in small equal steps of normal impulse, with the matrix K written out: first order.
 struct Followed {
   Vector3 impulse;
   double compression_j = 0.0, friction_j = 0.0;
 };
-Followed follow(const Ball& ball, const Approach& a, int n_steps) {
+Followed follow(const Ball& ball, const RubbingApproach& a, int n_steps) {
   const double m = mass_kg(ball), j = moment_of_inertia_kgm2(ball);
   const Vector3 r = a.lever_m;
   const double diagonal = 1.0 / m + norm2(r) / j;
   const double kxx = diagonal - r.x * r.x / j, kyy = diagonal - r.y * r.y / j, kzz = diagonal - r.z * r.z / j;
   const double kxy = -r.x * r.y / j, kxz = -r.x * r.z / j, kyz = -r.y * r.z / j;
   const double det = kxx * kyy - kxy * kxy;
-  Vector3 v = contact_velocity(a.motion, r);
+  Vector3 v = velocity_of_contact(a.motion, r);
   const double dp = -2.0 * v.z * m / n_steps;
   Followed f;
   double restitution_j = 0.0;
@@ -78,7 +78,7 @@ TEST(Stronge, CreatesNoEnergyInThreeHundredThousandApproaches) {
   int n = 0, n_coulomb_creates = 0;
   double worst = -1.0;
   for (std::uint64_t k = 0; n < n_approaches; ++k) {
-    const Approach a = random_approach(k);
+    const RubbingApproach a = random_rubbing_approach(k);
     if (!approaches(a)) continue;
     ++n;
     const auto gain = [&](const ContactModel& model) {
@@ -100,11 +100,11 @@ TEST(Stronge, EndsAndCreatesNoEnergyWhereFrictionJamsTheContact) {
   const Ball ball;
   double worst = -1.0;
   for (std::uint64_t k = 0; k < 20'000; ++k) {
-    Approach a = random_approach(k);
+    RubbingApproach a = random_rubbing_approach(k);
     a.mu *= k % 2 == 0 ? 10.0 : 1000.0;
     if (!approaches(a)) continue;
     const Motion after = collide(ball, ConstantLaw{a.eps}, StrongeContact{a.mu}, a.lever_m, a.motion).after;
-    EXPECT_GT(contact_velocity(after, a.lever_m).z, -1e-14) << k;
+    EXPECT_GT(velocity_of_contact(after, a.lever_m).z, -1e-14) << k;
     const ImpactEnergy energy = impact_energy(ball, a.motion, after);
     worst = std::max(worst, energy.after.total_j() / energy.before.total_j() - 1.0);
   }
@@ -115,7 +115,7 @@ TEST(Stronge, FollowsItsDefinition) {
   const Ball ball;
   int n_turning = 0;
   for (std::uint64_t k = 0; k < 150; ++k) {
-    const Approach a = random_approach(k);
+    const RubbingApproach a = random_rubbing_approach(k);
     if (!approaches(a)) continue;
     constexpr int kSteps = 20'000;
     const Collision c = collide(ball, ConstantLaw{a.eps}, StrongeContact{a.mu}, a.lever_m, a.motion);
@@ -128,7 +128,7 @@ TEST(Stronge, FollowsItsDefinition) {
     // work is impulse times some 1 m/s, so the twin's error again, against the energy before; none of the rule's own
     // here: an impulse that errs across the slip does no work to first order
     EXPECT_NEAR(lost / energy.before.total_j(), expected / energy.before.total_j(), 6.0 / kSteps) << k;
-    const Vector3 t = {twin.impulse.x, twin.impulse.y, 0.0}, v = contact_velocity(a.motion, a.lever_m);
+    const Vector3 t = {twin.impulse.x, twin.impulse.y, 0.0}, v = velocity_of_contact(a.motion, a.lever_m);
     n_turning += std::abs(t.x * v.y - t.y * v.x) > 0.02 * norm(t) * std::hypot(v.x, v.y) ? 1 : 0;
   }
   EXPECT_GT(n_turning, 20);  // or the slip's turning would not have been tested
@@ -140,16 +140,16 @@ TEST(Stronge, CentralContactHasEpsExactlyAndSlidesOrRollsAsInTextbooks) {
   const auto after = [&](double vx, double mu, double eps) {
     return collide(ball, ConstantLaw{eps}, StrongeContact{mu}, lever, {{vx, 0.0, -1.0}, {}}).after;
   };
-  constexpr double kRounding = 1e-14;  // of speeds of 1 m/s
-  EXPECT_NEAR(after(0.0, 0.3, 0.9).velocity_mps.z, 0.9, kRounding);
+  constexpr double kOfSpeeds = 1e-14;  // of speeds of 1 m/s
+  EXPECT_NEAR(after(0.0, 0.3, 0.9).velocity_mps.z, 0.9, kOfSpeeds);
   EXPECT_EQ(after(0.0, 0.3, 0.9).velocity_mps.x, 0.0);
-  EXPECT_NEAR(after(0.5, 0.0, 0.9).velocity_mps.x, 0.5, kRounding);
-  EXPECT_NEAR(after(0.5, 0.1, 0.0).velocity_mps.z, 0.0, kRounding);
+  EXPECT_NEAR(after(0.5, 0.0, 0.9).velocity_mps.x, 0.5, kOfSpeeds);
+  EXPECT_NEAR(after(0.5, 0.1, 0.0).velocity_mps.z, 0.0, kOfSpeeds);
   // sliding to the end: dv_x = -mu (1 + eps) v_n, R omega = 5/2 of it; rolling: v' = 5/7 v
-  EXPECT_NEAR(after(1.0, 0.1, 0.8).velocity_mps.x, 1.0 - 0.1 * 1.8, kRounding);
-  EXPECT_NEAR(after(1.0, 0.1, 0.8).spin_radps.y * ball.radius_m, 2.5 * 0.18, 3.0 * kRounding);
-  EXPECT_NEAR(after(0.01, 0.1, 0.8).velocity_mps.x, 5.0 / 7.0 * 0.01, kRounding);
-  EXPECT_NEAR(after(0.01, 0.1, 0.8).velocity_mps.z, 0.8, kRounding);
+  EXPECT_NEAR(after(1.0, 0.1, 0.8).velocity_mps.x, 1.0 - 0.1 * 1.8, kOfSpeeds);
+  EXPECT_NEAR(after(1.0, 0.1, 0.8).spin_radps.y * ball.radius_m, 2.5 * 0.18, 3.0 * kOfSpeeds);
+  EXPECT_NEAR(after(0.01, 0.1, 0.8).velocity_mps.x, 5.0 / 7.0 * 0.01, kOfSpeeds);
+  EXPECT_NEAR(after(0.01, 0.1, 0.8).velocity_mps.z, 0.8, kOfSpeeds);
 }
 
 TEST(Stronge, SlipThatReversesHasTheClosedFormOfThePlane) {

@@ -134,13 +134,14 @@ Recordings detect_all(const DetectOptions& options, const std::vector<std::files
 
 }  // namespace
 
-Section drop_height_section(detection::DetectionConfig& config) {
-  static const Member option = [] {
+std::vector<Section> sections_of(DetectOptions& options) {
+  // --drop-height of `restitution`, for the detection: `analyze` sets both by one
+  static const Member drop_height = [] {
     const Description all = members_of(static_cast<const fit::RestitutionConfig*>(nullptr));
     return std::find_if(all.begin(), all.end(), [](const Member& m) { return m.name == "drop_height"; })
         ->with(&Member::place, member<&detection::DetectionConfig::drop_height_m>("", "").place);
   }();
-  return {"Detection", Description(&option, 1), &config};
+  return {section_of(options.config, "Detection"), {"Detection", Description(&drop_height, 1), &options.config}};
 }
 
 std::vector<std::filesystem::path> recordings_of(const DetectOptions& options) {

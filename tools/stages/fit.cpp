@@ -80,6 +80,21 @@ fit::RestitutionCounts restitution_of_files(const std::vector<std::filesystem::p
 
 }  // namespace
 
+std::vector<Section> sections_of(RestitutionOptions& options) {
+  const std::string heading = "Coefficients of restitution";
+  return {ball_section(options.world,
+                       "those of the simulation that the onsets come from (.meta.json), else not known: "
+                       "drag and contact time are then open"),
+          section_of(options.config, heading), section_of(options, heading)};
+}
+std::vector<Section> sections_of(FitOptions& options) {
+  return {ball_section(options.world, "what the samples say"), section_of(options.config, "Fit")};
+}
+std::vector<Section> sections_of(RoughnessOptions& options) {
+  return {ball_section(options.world, "what the samples say, else a solid ball of the paper's radius"),
+          section_of(options.config)};
+}
+
 fit::RestitutionConfig restitution_config(const RestitutionOptions& options) {
   fit::RestitutionConfig config = with_ball(options);
   if (options.positions.empty()) return config;

@@ -307,7 +307,7 @@ loop::LoopConfig config_of_run(const LoopOptions& options, const Run& run) {
 
 }  // namespace
 
-std::vector<Section> loop_sections(LoopOptions& options) {
+std::vector<Section> sections_of(LoopOptions& options) {
   using O = LoopOptions;
   static constexpr Member own[]{
       member<&O::preset>("preset",

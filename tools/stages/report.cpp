@@ -24,9 +24,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What a report is made of, where it exists.
-const char* const kShown[] = {"fit.json",   "summary.json",     "wave.json",  "paper.json", "fit_from_simulation.json",
-                              "sweep.json", "diagnostics.json", "samples.csv"};
+/// What a report is made of, where it exists, beside samples.csv.
+constexpr std::pair<const char*, std::string report::ReportInput::*> kParts[]{
+    {"fit.json", &report::ReportInput::fit_json},
+    {"summary.json", &report::ReportInput::summary_json},
+    {"wave.json", &report::ReportInput::wave_json},
+    {"paper.json", &report::ReportInput::paper_json},
+    {"fit_from_simulation.json", &report::ReportInput::fit_simulation_json},
+    {"sweep.json", &report::ReportInput::sweep_json},
+    {"diagnostics.json", &report::ReportInput::diagnostics_json}};
 
 std::string content_if_there(const fs::path& path, std::vector<fs::path>& inputs) {
   if (!fs::exists(path)) return {};
@@ -35,15 +41,6 @@ std::string content_if_there(const fs::path& path, std::vector<fs::path>& inputs
   if (!nlohmann::json::accept(content))
     throw FileError(path.string(),
                     "is not JSON, or has a number beyond 1e308; make it anew (bouncelab fit, analyze or loop)");
-  return content;
-}
-
-std::string fit_if_there(const fs::path& path, std::vector<fs::path>& inputs) {
-  std::string content = content_if_there(path, inputs);
-  if (content.empty()) return content;
-  if (!is_fit(content))
-    throw FileError(path.string(), "is no result of a fit; make it anew (bouncelab fit, analyze or loop)");
-  refuse_older_fit(content, path.string());
   return content;
 }
 
@@ -123,59 +120,51 @@ nlohmann::json listed_figures(const Browser& browser, const fs::path& page) {
   return nlohmann::json::parse(drawn.substr(first, drawn.find(end, first) - first));
 }
 
-/// A figure of a report, as files of its own.
-struct Figure {
-  std::string name;  ///< of the figure on the page: letters, digits, - and _
-  std::string svg, pdf;
-};
+using Files = std::vector<std::pair<fs::path, std::string>>;
 
-/// All figures of a page, as its own scripts draw them, by a browser without a window: Chromium, Chrome or Edge.
+/// All figures of a page, each as NAME.svg and NAME.pdf, as its own scripts draw them, by a browser without a window:
+/// Chromium, Chrome or Edge.
 /// @param page      as report::render makes it, with a figure at least
 /// @param progress  called after each figure
 /// @throws FileError where no such browser is installed, or it cannot draw them; Interrupted
-std::vector<Figure> draw_figures(const std::string& page, const ProgressCallback& progress) {
+Files draw_figures(const std::string& page, const fs::path& folder, const ProgressCallback& progress) {
   const ScratchFolder scratch;
   const Browser browser(scratch.path());
   const fs::path whole = scratch.path() / "report.html", single = scratch.path() / "figure.html",
                  pdf = scratch.path() / "figure.pdf";
   write_whole(whole, page, true);
   const nlohmann::json listed = listed_figures(browser, whole);
-  std::vector<Figure> figures;
-  for (const nlohmann::json& one : listed) {
-    Figure figure{one.at("name"), one.at("svg"), {}};
-    if (!is_plain(figure.name)) throw browser.failure("a figure is called '" + figure.name + "'");
-    write_whole(single, page_of(one), true);
+  Files files;
+  for (const nlohmann::json& figure : listed) {
+    const std::string name = figure.at("name");
+    if (!is_plain(name)) throw browser.failure("a figure is called '" + name + "'");
+    write_whole(single, page_of(figure), true);
     browser.open(single.string(), {"--no-pdf-header-footer", "--print-to-pdf=" + pdf.string()});
-    figure.pdf = whole_content(pdf);
+    files.emplace_back(folder / (name + ".svg"), figure.at("svg"));
+    files.emplace_back(folder / (name + ".pdf"), whole_content(pdf));
     fs::remove(pdf);
-    figures.push_back(std::move(figure));
-    if (progress) progress(static_cast<double>(figures.size()), static_cast<double>(listed.size()));
+    progress(0.5 * static_cast<double>(files.size()), static_cast<double>(listed.size()));
   }
-  return figures;
+  return files;
 }
 
-/// Each figure as NAME.svg and NAME.pdf: all are drawn before the first is written.
+/// All are drawn before the first is written.
 Outcome write_figures(const std::string& page, const std::string& folder, const std::vector<fs::path>& inputs,
                       const Run& run) {
   const OutputFolder output_folder{fs::path(folder)};
-  const std::vector<Figure> figures = draw_figures(page, progress_line(run, "figures", "figures"));
-  if (figures.empty()) throw FileError(inputs.front().string(), "its report has no figures");
-  std::vector<std::pair<fs::path, const std::string*>> files;
-  for (const Figure& figure : figures) {
-    files.emplace_back(fs::path(folder) / (figure.name + ".svg"), &figure.svg);
-    files.emplace_back(fs::path(folder) / (figure.name + ".pdf"), &figure.pdf);
-  }
+  const Files files = draw_figures(page, folder, progress_line(run, "figures", "figures"));
+  if (files.empty()) throw FileError(inputs.front().string(), "its report has no figures");
   std::vector<fs::path> outputs;
   for (const auto& [path, content] : files) outputs.push_back(path);
   check_files(run, inputs, outputs);
   Outcome outcome;
   Values written;
   for (const auto& [path, content] : files) {
-    write_text(run, path, *content, inputs);
+    write_text(run, path, content, inputs);
     written.emplace_back(path.string());
   }
   outcome.result = {{"figures", std::move(written)}};
-  outcome.text = fmt::format("{} figures in {}, each as SVG and PDF\n", figures.size(), folder);
+  outcome.text = fmt::format("{} figures in {}, each as SVG and PDF\n", files.size() / 2, folder);
   return outcome;
 }
 
@@ -187,23 +176,20 @@ Outcome run_report(const ReportOptions& options, const Run& run) {
   if (!fs::exists(fit) && !fs::exists(folder / "sweep.json"))
     throw FileError(fit.string(), "no such file; bouncelab fit, analyze or loop makes it");
   const fs::path out = options.out.empty() ? folder / "report.html" : fs::path(options.out);
-  std::vector<fs::path> shown;
-  for (const char* name : kShown) shown.push_back(folder / name);
+  std::vector<fs::path> shown{folder / "samples.csv"};
+  for (const auto& [name, member] : kParts) shown.push_back(folder / name);
   const bool writes_page = options.figures.empty() || !options.out.empty();
   if (writes_page) check_files(run, shown, {out});
   std::vector<fs::path> inputs;
   report::ReportInput input;
   input.title = options.title.empty() ? "Restitution: " + name_of_folder(folder) : options.title;
-  input.fit_json = fit_if_there(fit, inputs);
+  for (const auto& [name, member] : kParts) input.*member = content_if_there(folder / name, inputs);
+  if (!input.fit_json.empty() && !is_fit(input.fit_json))
+    throw FileError(fit.string(), "is no result of a fit; make it anew (bouncelab fit, analyze or loop)");
+  refuse_older_fit(input.fit_json, fit.string());
   if (const fs::path samples = folder / "samples.csv"; fs::exists(samples) && is_made_of_another(fit, samples))
     throw FileError(fit.string(), "is a fit of other samples than " + samples.string() +
                                       " has; make it anew (bouncelab fit or analyze, with --force)");
-  input.summary_json = content_if_there(folder / "summary.json", inputs);
-  input.wave_json = content_if_there(folder / "wave.json", inputs);
-  input.paper_json = content_if_there(folder / "paper.json", inputs);
-  input.fit_simulation_json = content_if_there(folder / "fit_from_simulation.json", inputs);
-  input.diagnostics_json = content_if_there(folder / "diagnostics.json", inputs);
-  input.sweep_json = content_if_there(folder / "sweep.json", inputs);
   input.samples_json = samples_if_few(folder / "samples.csv", input.fit_json, inputs);
   const std::string page = report::render(input);
   Outcome outcome;

@@ -67,6 +67,11 @@ void apply_paper_preset(SimulateOptions& options, Run& run) {
   set("impacts", options.config.n_impacts_max, loop::kPaperImpacts);
 }
 
+std::vector<Section> sections_of(SimulateOptions& options) {
+  return {ball_section(options.world), section_of(options, "Ball, ground and drops"),
+          simulation_alone_section(options)};
+}
+
 Outcome run_simulate(const SimulateOptions& options, const Run& run) {
   const sim::SimulationConfig config = simulation_config(options, run.common.seed, run.common.n_threads);
   check_files(run, simulation_inputs(options), {options.out, options.write_surface});

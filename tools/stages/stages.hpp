@@ -19,6 +19,8 @@
 
 namespace bouncelab::stages {
 
+// sections_of(): the options of a stage but for the files that it reads and writes.
+
 /// The number of drops and impacts of the paper's run, where the user did not set them.
 void apply_paper_preset(SimulateOptions& options, Run& run);
 
@@ -34,9 +36,11 @@ std::vector<std::filesystem::path> simulation_inputs(const SimulateOptions& opti
 /// What --json prints.
 Object summary_of(const sim::SimulationResult& result, const Ball& ball);
 
+std::vector<Section> sections_of(SimulateOptions& options);
 /// Simulates and writes options.out (and options.write_surface where named).
 Outcome run_simulate(const SimulateOptions& options, const Run& run);
 
+std::vector<Section> sections_of(SynthesizeOptions& options);
 /// Option --codec, which needs files.
 Section codec_section(SynthesizeOptions& options, std::vector<std::string> stages = {});
 
@@ -63,8 +67,7 @@ struct DetectOptions {
   detection::DetectionConfig config;
 };
 
-/// The option --drop-height of `restitution`, for the detection: `analyze` sets both by one.
-Section drop_height_section(detection::DetectionConfig& config);
+std::vector<Section> sections_of(DetectOptions& options);
 
 using Recordings = std::vector<detection::RecordingDetection>;
 
@@ -82,6 +85,7 @@ Outcome detection_outcome(const Recordings& recordings, std::vector<Note> notes)
 /// content as one before it counts once, and a warning names both.
 Outcome run_detect(const DetectOptions& options, const Run& run);
 
+std::vector<Section> sections_of(RestitutionOptions& options);
 /// What the options describe, with the positions of their file. @throws InvalidArgument, FileError
 fit::RestitutionConfig restitution_config(const RestitutionOptions& options);
 
@@ -107,6 +111,7 @@ struct FitOptions {
 /// @param of_recordings  lines that stand behind those of the recordings
 std::string answer_text(const report::FitInWords& words, const std::string& of_recordings);
 
+std::vector<Section> sections_of(FitOptions& options);
 /// What the options describe.
 fit::FitConfig fit_config(const FitOptions& options, const CommonOptions& common);
 
@@ -126,6 +131,7 @@ struct RoughnessOptions {
   BallChoice world;  ///< in place of what the samples say
 };
 
+std::vector<Section> sections_of(RoughnessOptions& options);
 /// Exit code 1 where the scatter is not that of a rough ball, or there are too few impacts to know.
 Outcome run_roughness(const RoughnessOptions& options, const Run& run);
 
@@ -142,7 +148,7 @@ struct LoopOptions {
 Outcome run_loop(const LoopOptions& options, const Run& run);
 
 /// With the folder and the ball.
-std::vector<Section> loop_sections(LoopOptions& options);
+std::vector<Section> sections_of(LoopOptions& options);
 /// The paper's run, where the user did not choose otherwise.
 void apply_loop_preset(LoopOptions& options, Run& run);
 
@@ -174,7 +180,7 @@ struct ValidateOptions {
   bool annotated_only = false;  ///< marks before the first and after the last true time do not count
   Scene scene;                  ///< what is synthesized
 };
-std::vector<Section> validate_sections(ValidateOptions& options);
+std::vector<Section> sections_of(ValidateOptions& options);
 
 /// Scores detectors against true times: those of synthesized recordings, one for each value of each list of the
 /// configuration file beside the first, or of recordings that there are; or marks against truth, file against file.

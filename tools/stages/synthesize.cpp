@@ -264,6 +264,11 @@ void set_scene(Scene& scene, CommonOptions& common, const loop::Settings& settin
   }
 }
 
+std::vector<Section> sections_of(SynthesizeOptions& options) {
+  return {ball_section(options.world, "those of the impacts where they were simulated, else steel:6mm on glass"),
+          section_of(options, "Sound"), disturbances_section(options)};
+}
+
 Section codec_section(SynthesizeOptions& options, std::vector<std::string> stages) {
   static constexpr Member option[]{
       member<&SynthesizeOptions::codec>(

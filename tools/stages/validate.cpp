@@ -242,7 +242,7 @@ void check_usage(const ValidateOptions& options, const Run& run) {
 
 }  // namespace
 
-std::vector<Section> validate_sections(ValidateOptions& options) {
+std::vector<Section> sections_of(ValidateOptions& options) {
   using O = ValidateOptions;
   static constexpr Member own[]{
       member<&O::detectors>(

@@ -5,7 +5,6 @@
 
 #include "bouncelab/core/files.hpp"
 #include "bouncelab/detection/detect.hpp"
-#include "bouncelab/detection/score.hpp"
 #include "bouncelab/detection/wave_preview.hpp"
 
 namespace bouncelab::detection {

@@ -365,10 +365,10 @@ std::vector<RepeatedDrop> repeated_drops(const RestitutionSamples& samples) {
   constexpr double kAlike = 0.1;  // of the scatter
   constexpr double kMostOfDrop = 0.8;
   constexpr std::size_t kNeighbours = 50;  // looked at: where more have one speed it tells nothing
-  std::map<std::pair<std::string, std::int64_t>, std::size_t> numbers;
+  DropNumbers numbers;
   std::vector<std::size_t> drop_of, first_of, size_of;
   for (std::size_t k = 0; k < samples.size(); ++k) {
-    const std::size_t d = numbers.try_emplace({samples[k].recording, samples[k].drop}, numbers.size()).first->second;
+    const std::size_t d = numbers.of(samples[k]);
     if (d == size_of.size()) {
       first_of.push_back(k);
       size_of.push_back(0);

@@ -25,8 +25,7 @@ constexpr std::size_t kFewestOfAGroup = 3;
 std::pair<double, double> shared_speeds(const std::vector<Group>& groups) {
   std::pair<double, double> shared{0.0, HUGE_VAL};
   for (const auto& [name, samples] : groups) {
-    std::vector<double> v;
-    for (const RestitutionSample& s : samples) v.push_back(s.v_mps);
+    std::vector<double> v = speeds_of(samples);
     std::sort(v.begin(), v.end());
     shared = {std::max(shared.first, v[v.size() / 20]), std::min(shared.second, v[v.size() - 1 - v.size() / 20])};
   }

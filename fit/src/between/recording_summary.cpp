@@ -40,8 +40,7 @@ void take_nodes(RecordingSummary& summary, const LawFit& fit) {
   for (std::size_t i = 0; i < summary.n_nodes; ++i) {
     summary.v_mps[i] = fit.nodes[i].v_mps;
     summary.eps[i] = fit.nodes[i].eps.value;
-    for (std::size_t j = 0; j < summary.n_nodes; ++j)
-      summary.covariance[i][j] = fit.node_correlation[i][j] * *fit.nodes[i].eps.se * *fit.nodes[j].eps.se;
+    for (std::size_t j = 0; j < summary.n_nodes; ++j) summary.covariance[i][j] = fit.node_covariance[i][j];
   }
 }
 

@@ -27,9 +27,11 @@ namespace {
 
 /// Two neighbouring impacts of a drop.
 struct ImpactPair {
-  double product_s2;  ///< -r r' T T' / ((1+e)(1+e'))
-  double normalised;  ///< r r' / (spread spread')
-  std::size_t group;  ///< drop
+  double product_s2;               ///< -r r' T T' / ((1+e)(1+e'))
+  double normalised;               ///< r r' / (spread spread')
+  double square;                   ///< of r / spread
+  std::optional<double> stated_s;  ///< standard error of a time, by sigma_eps of the first
+  std::size_t group;               ///< drop
 };
 
 std::vector<ImpactPair> pairs_of(const RestitutionSamples& samples, const std::vector<double>& residuals) {
@@ -45,9 +47,11 @@ std::vector<ImpactPair> pairs_of(const RestitutionSamples& samples, const std::v
     if (b.impact != a.impact + 1 || !(interval_s > 0.0) || !(a.eps > 0.0)) continue;
     const double before_s = interval_s / a.eps;
     const double ra = residuals[k], rb = residuals[k + 1];
+    std::optional<double> stated_s;
+    if (a.sigma_eps) stated_s = *a.sigma_eps * before_s / std::sqrt(1.0 + square(1.0 + a.eps) + square(a.eps));
     // every spread of eps goes nearly as 1/T: that makes the pairs alike
-    pairs.push_back(
-        {-ra * rb * interval_s * before_s / ((1.0 + a.eps) * (1.0 + b.eps)), ra * before_s * rb * interval_s, drop});
+    pairs.push_back({-ra * rb * interval_s * before_s / ((1.0 + a.eps) * (1.0 + b.eps)),
+                     ra * before_s * rb * interval_s, square(ra * before_s), stated_s, drop});
   }
   return pairs;
 }
@@ -71,20 +75,6 @@ MeanWithError mean_by_drop(const std::vector<ImpactPair>& pairs, double ImpactPa
   return {mean, std::sqrt(variance) / n};
 }
 
-std::optional<double> stated_timing_s(const RestitutionSamples& samples) {
-  std::vector<double> stated;
-  for (std::size_t k = 0; k + 1 < samples.size(); ++k) {
-    const RestitutionSample& s = samples[k];
-    const double interval_s = samples[k + 1].t_s - s.t_s;
-    if (!s.sigma_eps || samples[k + 1].drop != s.drop || samples[k + 1].impact != s.impact + 1 || !(interval_s > 0.0))
-      continue;
-    const double of_times = std::sqrt(1.0 + (1.0 + s.eps) * (1.0 + s.eps) + s.eps * s.eps);
-    stated.push_back(*s.sigma_eps * (interval_s / s.eps) / of_times);
-  }
-  if (stated.empty()) return std::nullopt;
-  return upper_median(stated);
-}
-
 /// See TimingNoise. @param residuals  of the samples from the law  @return nullopt for fewer than 8 pairs of neighbours
 /// with times
 std::optional<TimingNoise> timing_noise(const RestitutionSamples& samples, const std::vector<double>& residuals) {
@@ -93,23 +83,20 @@ std::optional<TimingNoise> timing_noise(const RestitutionSamples& samples, const
   const MeanWithError variance = mean_by_drop(pairs, &ImpactPair::product_s2);
   const MeanWithError covariance = mean_by_drop(pairs, &ImpactPair::normalised);
   double squares = 0.0;
-  std::size_t n = 0;
-  for (std::size_t k = 0; k + 1 < samples.size(); ++k) {
-    const double interval_s = samples[k + 1].t_s - samples[k].t_s;
-    if (samples[k + 1].drop != samples[k].drop || samples[k + 1].impact != samples[k].impact + 1 || !(interval_s > 0.0))
-      continue;
-    squares += square(residuals[k] * interval_s / samples[k].eps);
-    ++n;
+  std::vector<double> stated_s;
+  for (const ImpactPair& p : pairs) {
+    squares += p.square / static_cast<double>(pairs.size());
+    if (p.stated_s) stated_s.push_back(*p.stated_s);
   }
   TimingNoise noise;
   noise.n_pairs = pairs.size();
-  noise.lag1_correlation = covariance.mean / (squares / static_cast<double>(n));
-  noise.lag1_correlation_se = covariance.se / (squares / static_cast<double>(n));
+  noise.lag1_correlation = covariance.mean / squares;
+  noise.lag1_correlation_se = covariance.se / squares;
   noise.variance_s2 = variance.mean;
   noise.variance_se_s2 = variance.se;
   if (variance.mean > 0.0) noise.sigma_s = std::sqrt(variance.mean);
   noise.upper95_s = std::sqrt(std::max(0.0, variance.mean) + 1.645 * variance.se);
-  noise.stated_s = stated_timing_s(samples);
+  if (!stated_s.empty()) noise.stated_s = upper_median(std::move(stated_s));
   return noise;
 }
 
@@ -206,11 +193,8 @@ void fit_width(ErrorBudget& budget) {
   if (!(sxx > 0.0)) return;
   const double slope = sxy / sxx, n_free = static_cast<double>(rows.size()) - 2.0;
   const double se = std::sqrt(std::max(0.0, syy - slope * sxy) / n_free / sxx);
-  Estimate exponent = normal_estimate(slope, se);
-  const double reach68 = student_t_quantile(0.84135, n_free) * se, reach95 = student_t_quantile(0.975, n_free) * se;
-  exponent.ci68 = Interval{slope - reach68, slope + reach68};
-  exponent.ci95 = Interval{slope - reach95, slope + reach95};
-  budget.width_exponent = exponent;
+  budget.width_exponent =
+      normal_estimate(slope, se, student_t_quantile(0.84135, n_free), student_t_quantile(0.975, n_free));
   for (const double v : {rows.front().v_mps, rows.back().v_mps})
     budget.width_law.push_back({v, exp(wy / w + slope * (log(v) - wx / w)), std::nullopt});
 }

@@ -8,7 +8,6 @@
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/text.hpp"
 #include "dem/decks.hpp"
-#include "dem/texts.hpp"
 
 namespace bouncelab::fit {
 namespace {

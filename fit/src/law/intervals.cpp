@@ -223,29 +223,29 @@ Eigen::MatrixXd curvature(const LawLikelihood& likelihood, const Eigen::VectorXd
 
 }  // namespace
 
-Eigen::MatrixXd ErrorsByDrop::covariance() const {
+Eigen::MatrixXd JackknifeErrors::covariance() const {
   const auto n = static_cast<double>(moves.cols());
   return (n - 1.0) / n * gram(moves);
 }
 
-double ErrorsByDrop::standard_error(const Eigen::VectorXd& direction) const {
+double JackknifeErrors::standard_error(const Eigen::VectorXd& direction) const {
   const auto n = static_cast<double>(moves.cols());
   return std::sqrt((n - 1.0) / n) * transposed_product(moves, direction).norm();
 }
 
-ProfileLevels ErrorsByDrop::reach() const {
+ProfileLevels JackknifeErrors::reach() const {
   const double n_free = static_cast<double>(moves.cols()) - 1.0;
   return {student_t_quantile(0.8413447460685429, n_free), student_t_quantile(0.975, n_free)};
 }
 
-ProfileLevels ErrorsByDrop::profile_levels_of(const Eigen::VectorXd& direction, const Eigen::MatrixXd& white) const {
+ProfileLevels JackknifeErrors::profile_levels_of(const Eigen::VectorXd& direction, const Eigen::MatrixXd& white) const {
   const double ratio = standard_error(direction) / transposed_product(white, direction).norm();
   const ProfileLevels levels = reach();
   return {ratio * levels.z68, ratio * levels.z95};
 }
 
-std::optional<ErrorsByDrop> errors_by_drop(const LawLikelihood& likelihood, const Eigen::VectorXd& theta,
-                                           const Eigen::MatrixXd& white) {
+std::optional<JackknifeErrors> errors_by_drop(const LawLikelihood& likelihood, const Eigen::VectorXd& theta,
+                                              const Eigen::MatrixXd& white) {
   constexpr double kMostOfOneDrop = 0.9;
   if (likelihood.n_drops() < kFewestDrops) return std::nullopt;
   const Eigen::MatrixXd unit = Eigen::MatrixXd::Identity(theta.size(), theta.size());
@@ -259,11 +259,11 @@ std::optional<ErrorsByDrop> errors_by_drop(const LawLikelihood& likelihood, cons
     if (!cholesky(kMostOfOneDrop * unit - leverage)) return std::nullopt;
     scores.col(d) = cholesky(unit - leverage)->solve(scores.col(d));
   }
-  return ErrorsByDrop{-product(white, h->solve(scores)), std::move(observed)};
+  return JackknifeErrors{-product(white, h->solve(scores)), std::move(observed)};
 }
 
-std::optional<ErrorsByDrop> errors_by_sample(const LawLikelihood& likelihood, const Eigen::VectorXd& theta,
-                                             const Eigen::MatrixXd& white) {
+std::optional<JackknifeErrors> errors_by_sample(const LawLikelihood& likelihood, const Eigen::VectorXd& theta,
+                                                const Eigen::MatrixXd& white) {
   constexpr double kSamplesPerParameter = 30.0;
   const auto n = static_cast<double>(likelihood.data().size()), p = static_cast<double>(theta.size());
   if (n < kSamplesPerParameter * p) return std::nullopt;
@@ -272,7 +272,7 @@ std::optional<ErrorsByDrop> errors_by_sample(const LawLikelihood& likelihood, co
   if (!h) return std::nullopt;
   const Eigen::MatrixXd scores = transposed_product(white, likelihood.scores_by_sample(theta));
   // each has p/n of what is known
-  return ErrorsByDrop{product(white, h->solve(scores)) * (-n / (n - p)), std::move(observed)};
+  return JackknifeErrors{product(white, h->solve(scores)) * (-n / (n - p)), std::move(observed)};
 }
 
 const char* to_string(FitStatus status) {

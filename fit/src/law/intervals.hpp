@@ -53,7 +53,7 @@ std::optional<ProfileIntervals> profile_intervals(const LogLikelihood& loglik, c
 /// scores are too small by what each drop takes from the fit; the observed information of single drops would be mostly
 /// noise. Sources: Liang & Zeger, Biometrika 73, 13 (1986), doi:10.1093/biomet/73.1.13; Bell & McCaffrey, Survey
 /// Methodology 28, 169 (2002); MacKinnon, Nielsen & Webb, J. Appl. Econometrics 38, 671 (2023), doi:10.1002/jae.2969.
-struct ErrorsByDrop {
+struct JackknifeErrors {
   Eigen::MatrixXd moves;      ///< theta_(-d) - theta, a column a drop
   Eigen::MatrixXd curvature;  ///< H in those coordinates
   std::size_t n_drops() const { return static_cast<std::size_t>(moves.cols()); }
@@ -71,12 +71,12 @@ struct ErrorsByDrop {
 /// At the maximum theta. @param white  the model's own covariance is white white^T
 /// @return nullopt for fewer than kFewestDrops drops, and where the fit depends on a single drop: more than nine tenths
 ///         of what is known of some combination of parameters would be gone with it
-std::optional<ErrorsByDrop> errors_by_drop(const LawLikelihood& likelihood, const Eigen::VectorXd& theta,
-                                           const Eigen::MatrixXd& white);
+std::optional<JackknifeErrors> errors_by_drop(const LawLikelihood& likelihood, const Eigen::VectorXd& theta,
+                                              const Eigen::MatrixXd& white);
 
 /// The same with single samples in the place of drops: errors that hold whatever the density of the scatter, if samples
 /// are independent. @return nullopt for fewer than 30 samples a parameter
-std::optional<ErrorsByDrop> errors_by_sample(const LawLikelihood& likelihood, const Eigen::VectorXd& theta,
-                                             const Eigen::MatrixXd& white);
+std::optional<JackknifeErrors> errors_by_sample(const LawLikelihood& likelihood, const Eigen::VectorXd& theta,
+                                                const Eigen::MatrixXd& white);
 
 }  // namespace bouncelab::fit

@@ -151,7 +151,8 @@ LawFit fitted_law(const RestitutionSamples& samples, const OrderedSamples& order
   describe_fit(fit, likelihood, candidate->maximum,
                config.node_speeds_mps.empty() ? node_speeds(data.v_mps) : config.node_speeds_mps, config.intervals);
   if (!candidate->maximum.converged) return fit;
-  if (config.n_goodness > 0)
+  constexpr std::size_t kFewestOfGoodness = 100;  // of fewer the test sees no scatter but one that is grossly another
+  if (config.n_goodness > 0 && fit.n >= kFewestOfGoodness)
     fit.anderson_darling = anderson_darling_test(likelihood, candidate->maximum, config.n_goodness, config.seed);
   if (config.n_bootstrap > 0) add_bootstrap(fit, likelihood, candidate->maximum, config);
   if (config.compare_laws) fit.comparison = comparison(*candidate, config);

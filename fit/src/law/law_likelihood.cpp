@@ -158,7 +158,7 @@ void LawLikelihood::compute_curve(const Eigen::VectorXd& theta, SampleBlock& s) 
   } else {
     const double root = exp(0.5 * theta[0]);
     for (std::size_t k = 0; k < s.n; ++k)
-      std::tie(s.residual[k], s.slope[0][k]) =
+      std::tie(s.residual[k], s.slope[k]) =
           viscoelastic_and_slope(root * basis_(first + static_cast<Eigen::Index>(k), 0));
   }
   for (std::size_t k = 0; k < s.n; ++k) s.residual[k] = data_.eps[s.begin + k] - s.residual[k];

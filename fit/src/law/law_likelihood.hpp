@@ -38,13 +38,11 @@ struct ScatterFamily {
   Eigen::Index n_parameters() const;
 };
 
-inline constexpr std::size_t kMostLawParameters = 8;  ///< orders 2, 4, 5 ... 10
-
 /// Some samples: what is computed of them on the way to their likelihood.
 struct SampleBlock {
-  std::size_t begin = 0, n = 0;                 ///< successive ones from begin on
-  Block residual;                               ///< from the curve; with a normal part from where the exponentials join
-  std::array<Block, kMostLawParameters> slope;  ///< of the curve by q, where the model is not linear
+  std::size_t begin = 0, n = 0;  ///< successive ones from begin on
+  Block residual;                ///< from the curve; with a normal part from where the exponentials join
+  Block slope;                   ///< of the curve by q, where the model is not linear: one parameter
   SidesBlock sides;
   Block tau, inverse_tau;                      ///< normal part and timing error together
   Block normal_share, size;                    ///< of the normal part in tau^2; sqrt(b_below b_above)
@@ -141,7 +139,7 @@ class LawLikelihood {
   /// The curve's derivatives by q at the samples of a block.
   const double* slope_of(const SampleBlock& s, std::size_t i) const {
     return model_.is_linear() ? &basis_(static_cast<Eigen::Index>(s.begin), static_cast<Eigen::Index>(i))
-                              : s.slope[i].data();
+                              : s.slope.data();
   }
   void compute_curve(const Eigen::VectorXd& theta, SampleBlock& s) const;
   void compute_sides(const Eigen::VectorXd& theta, SampleBlock& s) const;

@@ -175,6 +175,13 @@ LawModel make_law_model(LawKind kind, const std::vector<int>& orders, std::span<
   return model;
 }
 
+std::vector<double> speeds_of(const RestitutionSamples& samples) {
+  std::vector<double> v_mps;
+  v_mps.reserve(samples.size());
+  for (const RestitutionSample& s : samples) v_mps.push_back(s.v_mps);
+  return v_mps;
+}
+
 std::vector<double> powers_of(std::span<const double> v_mps, double exponent) {
   std::vector<double> x(v_mps.begin(), v_mps.end());
   log_each(x);
@@ -196,10 +203,7 @@ std::vector<double> restitutions(const RestitutionLaw& law, std::span<const doub
 }
 
 std::vector<double> residuals_from(const RestitutionLaw& law, const RestitutionSamples& samples) {
-  std::vector<double> v_mps;
-  v_mps.reserve(samples.size());
-  for (const RestitutionSample& s : samples) v_mps.push_back(s.v_mps);
-  std::vector<double> residuals = restitutions(law, v_mps);
+  std::vector<double> residuals = restitutions(law, speeds_of(samples));
   for (std::size_t k = 0; k < samples.size(); ++k) residuals[k] = samples[k].eps - residuals[k];
   return residuals;
 }

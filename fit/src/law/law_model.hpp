@@ -63,6 +63,8 @@ std::vector<double> node_speeds(std::span<const double> v_mps);
 
 // Functions of many samples at once: exponentials and logarithms one by one are most of the time that they take.
 
+std::vector<double> speeds_of(const RestitutionSamples& samples);
+
 /// v^exponent of each. @param v_mps  >= 0
 std::vector<double> powers_of(std::span<const double> v_mps, double exponent);
 

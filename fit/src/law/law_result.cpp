@@ -73,7 +73,6 @@ void describe_parameters(LawFit& fit, const LawLikelihood& likelihood, const Par
   const Eigen::VectorXd& q = known.q;
   const Eigen::MatrixXd j = model.reported_jacobian(q);
   const Eigen::MatrixXd covariance = congruence(j.transpose(), known.covariance);
-  const Eigen::MatrixXd correlation = correlation_of(covariance);
   const Eigen::VectorXd values = model.reported(q);
   const auto& v = likelihood.data().v_mps;
   const double v_middle = v[v.size() / 2];
@@ -82,11 +81,10 @@ void describe_parameters(LawFit& fit, const LawLikelihood& likelihood, const Par
   const bool enough = fit.n >= kSamplesPerParameter * fit.n_parameters;
   for (Eigen::Index i = 0; i < values.size(); ++i)
     fit.parameters.push_back({names[static_cast<std::size_t>(i)], known.estimate(values[i], j.row(i))});
-  mark_identified(fit.parameters, model, correlation, v_middle, eps_middle);
+  mark_identified(fit.parameters, model, correlation_of(covariance), v_middle, eps_middle);
   if (values.size() > 1 && !enough)
     for (NamedEstimate& p : fit.parameters) p.estimate.identified = false;
   fit.covariance = to_matrix(covariance);
-  fit.correlation = to_matrix(correlation);
   fit.why = not_identified(fit.parameters, fit.n);
   if (fit.why) fit.status = FitStatus::not_identifiable;
 }
@@ -99,7 +97,7 @@ void describe_nodes(LawFit& fit, const LawModel& model, const ParameterCovarianc
   const Eigen::VectorXd node_eps = model.eps(node_speeds_mps, q);
   for (Eigen::Index j = 0; j < node_eps.size(); ++j)
     fit.nodes.push_back({node_speeds_mps[static_cast<std::size_t>(j)], known.estimate(node_eps[j], node_rows.row(j))});
-  fit.node_correlation = to_matrix(correlation_of(node_covariance));
+  fit.node_covariance = to_matrix(node_covariance);
 }
 
 void describe_goodness(LawFit& fit, const LawLikelihood& likelihood, const Maximum& maximum) {
@@ -116,7 +114,7 @@ void describe_goodness(LawFit& fit, const LawLikelihood& likelihood, const Maxim
 
 /// Replaces the intervals of constants and nodes by those of the profile, where it closes.
 void profile_all(LawFit& fit, const LawLikelihood& likelihood, const Maximum& maximum, const Eigen::MatrixXd& white,
-                 const std::optional<ErrorsByDrop>& by_drop) {
+                 const std::optional<JackknifeErrors>& by_drop) {
   const LawModel& model = likelihood.model();
   const Eigen::Index n_law = model.n_parameters();
   const Eigen::VectorXd q = maximum.x.head(n_law);
@@ -156,7 +154,7 @@ void profile_all(LawFit& fit, const LawLikelihood& likelihood, const Maximum& ma
 /// The law's coordinates with their errors, and what these rest on.
 struct Known {
   Eigen::MatrixXd white;
-  std::optional<ErrorsByDrop> by_drop;
+  std::optional<JackknifeErrors> by_drop;
   ParameterCovariance parameters;
 };
 Known known_of(LawFit& fit, const LawLikelihood& likelihood, const Maximum& maximum) {

@@ -23,12 +23,6 @@ namespace {
 constexpr std::size_t kFewestImpacts = 60, kShortestLongest = 10;
 constexpr std::size_t kFewImpacts = 8000;
 
-std::vector<double> speeds_of(const RestitutionSamples& samples) {
-  std::vector<double> v;
-  for (const RestitutionSample& s : samples) v.push_back(s.v_mps);
-  return v;
-}
-
 /// log q by the mean distances from the peak: their product is ((1 + e) q)^2 S / v^2, S greater by `release` where the
 /// release left 2 q times as much.
 double first_log_q(const Chains& chains, const LawFit& independent, double release) {
@@ -195,7 +189,6 @@ void describe_law(MemoryFit& fit, const LawModel& model, const Posterior& poster
   mark_identified(fit.parameters, model, correlation_of(covariance), v_middle,
                   model.eps(std::span(&v_middle, 1), q)[0]);
   fit.covariance = to_matrix(covariance);
-  fit.correlation = to_matrix(correlation_of(covariance));
   const auto eps_at = [&](double v) {
     return [&, v](const Eigen::VectorXd& theta) { return model.eps(std::span(&v, 1), theta.head(n_law))[0]; };
   };

@@ -120,20 +120,13 @@ struct Evaluated {
 class WhitenedCost final : public ceres::FirstOrderFunction {
  public:
   WhitenedCost(const LogLikelihood& loglik, const Eigen::VectorXd& start, const Eigen::MatrixXd& whitening,
-               double loglik_at_start, Evaluated& last, Evaluated& best, int& n_evaluations)
-      : loglik_(loglik),
-        start_(start),
-        whitening_(whitening),
-        at_start_(loglik_at_start),
-        last_(last),
-        best_(best),
-        n_(n_evaluations) {}
+               double loglik_at_start, Evaluated& last, Evaluated& best)
+      : loglik_(loglik), start_(start), whitening_(whitening), at_start_(loglik_at_start), last_(last), best_(best) {}
 
   bool Evaluate(const double* parameters, double* cost, double* gradient) const override {
     const Eigen::Map<const Eigen::VectorXd> y(parameters, start_.size());
     if (last_.y != y) {
       Eigen::VectorXd by_x;
-      ++n_;
       const double value = loglik_(start_ + product(whitening_, y), &by_x);
       if (!std::isfinite(value) || !by_x.allFinite()) return false;
       last_ = {y, transposed_product(whitening_, by_x), value};
@@ -151,7 +144,6 @@ class WhitenedCost final : public ceres::FirstOrderFunction {
   const Eigen::MatrixXd& whitening_;
   double at_start_;
   Evaluated &last_, &best_;
-  int& n_;
 };
 
 /// Ceres comments on degenerate line searches on standard error; what the search came to is in its result. Searches run
@@ -204,13 +196,12 @@ Maximum maximise(const LogLikelihood& loglik, const Eigen::VectorXd& start, cons
   result.x = start;
   Eigen::VectorXd gradient;
   result.loglik = loglik(start, &gradient);
-  result.n_evaluations = 1;
   if (!std::isfinite(result.loglik)) return result;
   const Eigen::MatrixXd white = whitening(information, 1e-6);
   Eigen::VectorXd y = Eigen::VectorXd::Zero(start.size());
   Evaluated last{y, transposed_product(white, gradient), result.loglik};
   Evaluated best = last;
-  const WhitenedCost cost(loglik, start, white, result.loglik, last, best, result.n_evaluations);
+  const WhitenedCost cost(loglik, start, white, result.loglik, last, best);
   ceres::GradientProblem problem(new WhitenedCost(cost));
   ceres::GradientProblemSolver::Summary summary;
   const QuietCeres quiet;

@@ -72,7 +72,6 @@ struct Maximum {
   /// What a quadratic model says is still to be gained, g^T I^-1 g / 2: below 1e-4 the estimate is within a hundredth
   /// of its standard error.
   double gain_left = 0.0;
-  int n_evaluations = 0;
   bool converged = false;
 };
 

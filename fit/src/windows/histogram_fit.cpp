@@ -56,7 +56,7 @@ Estimate exponential_estimate(double log_value, const QuantityError& error, doub
 
 /// Of direction . theta.
 QuantityError quantity_error(const LogLikelihood& function, const WindowFit& fit, const Eigen::MatrixXd& white,
-                             const std::optional<ErrorsByDrop>& by_drop, const Eigen::VectorXd& direction) {
+                             const std::optional<JackknifeErrors>& by_drop, const Eigen::VectorXd& direction) {
   QuantityError error;
   error.se = transposed_product(white, direction).norm();
   ProfileLevels reach, levels;
@@ -188,24 +188,15 @@ void move_to(double centre, const LawFit& law, LawData& data) {
   }
 }
 
-/// Samples, and their speeds as a column: a sample is some hundred bytes, and each window has few of them.
-struct SamplesWithSpeeds {
-  const RestitutionSamples& all;
-  std::vector<double> v_mps;
-
-  explicit SamplesWithSpeeds(const RestitutionSamples& samples) : all(samples) {
-    v_mps.reserve(all.size());
-    for (const RestitutionSample& s : all) v_mps.push_back(s.v_mps);
-  }
-};
-
 /// Samples of the window, moved along the law to its centre.
-LawData window_data(const SamplesWithSpeeds& samples, double lo, double hi, double centre, const LawFit& law) {
+/// @param v_mps  their speeds: a sample is some hundred bytes, and each window has few of them
+LawData window_data(const RestitutionSamples& samples, const std::vector<double>& v_mps, double lo, double hi,
+                    double centre, const LawFit& law) {
   LawData data;
   DropNumbers drops;
-  for (std::size_t k = 0; k < samples.v_mps.size(); ++k) {
-    if (!(samples.v_mps[k] >= lo && samples.v_mps[k] < hi)) continue;
-    const RestitutionSample& s = samples.all[k];
+  for (std::size_t k = 0; k < samples.size(); ++k) {
+    if (!(v_mps[k] >= lo && v_mps[k] < hi)) continue;
+    const RestitutionSample& s = samples[k];
     if (!std::isfinite(s.eps)) continue;
     data.v_mps.push_back(s.v_mps);
     data.eps.push_back(s.eps);
@@ -311,13 +302,13 @@ void compare_with_other_densities(HistogramFit& result, const LawData& data, con
       chi2_survival(share * std::max(0.0, 2.0 * (fit.maximum.loglik - symmetric.maximum.loglik)), 1.0);
 }
 
-HistogramFit fit_histogram(const SamplesWithSpeeds& samples, double centre, double width, std::size_t n_min,
-                           const LawFit& law) {
+HistogramFit fit_histogram(const RestitutionSamples& samples, const std::vector<double>& v_mps, double centre,
+                           double width, std::size_t n_min, const LawFit& law) {
   HistogramFit result;
   result.v_mps = centre;
   result.v_lo_mps = centre - 0.5 * width;
   result.v_hi_mps = centre + 0.5 * width;
-  const LawData data = window_data(samples, result.v_lo_mps, result.v_hi_mps, centre, law);
+  const LawData data = window_data(samples, v_mps, result.v_lo_mps, result.v_hi_mps, centre, law);
   result.n = data.size();
   if (result.n > 0) result.bins = bins_of(data.eps);
   if (result.n < std::max<std::size_t>(n_min, 5)) return result;
@@ -364,12 +355,11 @@ const char* to_string(DensityShape shape) {
 std::vector<HistogramFit> fit_histograms(const RestitutionSamples& samples, const HistogramConfig& config,
                                          const LawFit& law) {
   check(config);
-  const SamplesWithSpeeds with_speeds(samples);
-  const double width =
-      config.width_mps > 0.0 ? config.width_mps : chosen_width_mps(with_speeds.v_mps, config.centres_mps);
+  const std::vector<double> v_mps = speeds_of(samples);
+  const double width = config.width_mps > 0.0 ? config.width_mps : chosen_width_mps(v_mps, config.centres_mps);
   std::vector<HistogramFit> results(config.centres_mps.size());
   parallel_for(results.size(), 0, [&](std::size_t i) {
-    results[i] = fit_histogram(with_speeds, config.centres_mps[i], width, config.n_min, law);
+    results[i] = fit_histogram(samples, v_mps, config.centres_mps[i], width, config.n_min, law);
   });
   return results;
 }

@@ -106,22 +106,81 @@ class Drop {
  public:
   /// @param config, envelope  must outlive the drop
   /// @throws InvalidArgument where the ball starts inside the plate
-  Drop(const SimulationConfig& config, const Envelope& envelope, std::int64_t number);
+  Drop(const SimulationConfig& config, const Envelope& envelope, std::int64_t number)
+      : config_(&config),
+        envelope_(&envelope),
+        gravity_mps2_(gravity(config)),
+        number_(number),
+        state_(release(config, number)) {
+    if (!(state_.clearance_m > envelope.max_elevation() * config.ball.radius_m))
+      throw InvalidArgument("drop height = " + short_number(state_.clearance_m) +
+                            " is outside its range: above the highest asperity; a lower start is inside the plate");
+    result_.energy.released_j = energy_j(config, state_);
+  }
 
   bool is_over() const { return is_over_; }
-  void begin_flight();
-  /// @return whether it is found
-  bool find_leaf();
-  /// To the impact and through it, or to the end of the drop.
-  void end_flight();
 
-  DropResult result() &&;
+  void begin_flight() {
+    const Ball& ball = config_->ball;
+    if (config_->air)
+      search_.emplace(std::in_place_type<ContactSearch<DraggedPath>>, ball, *envelope_, state_,
+                      DraggedPath(ball, *config_->air, state_, gravity_mps2_), left_);
+    else
+      search_.emplace(std::in_place_type<ContactSearch<Parabola>>, ball, *envelope_, state_,
+                      Parabola(state_, gravity_mps2_), left_);
+  }
+
+  /// @return whether it is found
+  bool find_leaf() {
+    return std::visit([](auto& search) { return search.find_leaf(); }, *search_);
+  }
+
+  /// To the impact and through it, or to the end of the drop.
+  void end_flight() {
+    const FirstContact contact = std::visit([](auto& search) { return search.find_contact(); }, *search_);
+    // times must increase even where two asperities touch within the resolution of t
+    const double t_s = std::max(t_s_ + contact.dt_s, std::nextafter(t_s_, std::numeric_limits<double>::infinity()));
+    if (const auto end = end_before(contact, t_s)) {
+      result_.end = *end;
+      is_over_ = true;
+      return;
+    }
+    t_s_ = t_s;
+    collide_at(contact);
+    is_over_ = ++n_impacts_ == config_->n_impacts_max;
+  }
+
+  DropResult result() && {
+    result_.energy.remaining_j = energy_j(*config_, state_);
+    return std::move(result_);
+  }
 
  private:
   using Search = std::variant<ContactSearch<Parabola>, ContactSearch<DraggedPath>>;
 
-  std::optional<DropEnd> end_before(const FirstContact& contact, double t_s) const;
-  void collide_at(const FirstContact& contact);
+  /// Why the drop ends without this contact, if it does.
+  std::optional<DropEnd> end_before(const FirstContact& contact, double t_s) const {
+    if (t_s > config_->max_time_s) return DropEnd::time_reached;
+    if (!is_on_plate(*config_, contact.state)) return DropEnd::left_plate;
+    // a ball that rolls, or spins fast, may be struck while it rises: it bounces no more
+    const double v_mps = -contact.state.motion.velocity_mps.z;
+    if (v_mps <= 0.0 || v_mps < config_->min_speed_mps) return DropEnd::speed_reached;
+    return std::nullopt;
+  }
+
+  void collide_at(const FirstContact& contact) {
+    const SimulationConfig& config = *config_;
+    const Motion& before = contact.state.motion;
+    if (config.air) result_.energy.drag_j += energy_j(config, state_) - energy_j(config, contact.state);
+    const Collision collision =
+        collide(config.ball, config.law, config.contact, lever_of(config, *envelope_, contact), before);
+    result_.impacts.rows.push_back(impact_row(number_, n_impacts_, t_s_, before, collision, contact.asperity));
+    if (config.with_state) result_.impacts.states.push_back(impact_state(config.ball, contact.state, collision.after));
+    result_.energy.add(impact_energy(config.ball, before, collision.after));
+    left_ = contact.asperity;
+    state_ = contact.state;
+    state_.motion = collision.after;
+  }
 
   const SimulationConfig* config_;
   const Envelope* envelope_;
@@ -134,79 +193,6 @@ class Drop {
   DropResult result_;
   bool is_over_ = false;
 };
-
-}  // namespace
-
-Drop::Drop(const SimulationConfig& config, const Envelope& envelope, std::int64_t number)
-    : config_(&config),
-      envelope_(&envelope),
-      gravity_mps2_(gravity(config)),
-      number_(number),
-      state_(release(config, number)) {
-  if (!(state_.clearance_m > envelope.max_elevation() * config.ball.radius_m))
-    throw InvalidArgument("drop height = " + short_number(state_.clearance_m) +
-                          " is outside its range: above the highest asperity; a lower start is inside the plate");
-  result_.energy.released_j = energy_j(config, state_);
-}
-
-void Drop::begin_flight() {
-  const Ball& ball = config_->ball;
-  if (config_->air)
-    search_.emplace(std::in_place_type<ContactSearch<DraggedPath>>, ball, *envelope_, state_,
-                    DraggedPath(ball, *config_->air, state_, gravity_mps2_), left_);
-  else
-    search_.emplace(std::in_place_type<ContactSearch<Parabola>>, ball, *envelope_, state_,
-                    Parabola(state_, gravity_mps2_), left_);
-}
-
-bool Drop::find_leaf() {
-  return std::visit([](auto& search) { return search.find_leaf(); }, *search_);
-}
-
-void Drop::end_flight() {
-  const FirstContact contact = std::visit([](auto& search) { return search.find_contact(); }, *search_);
-  // times must increase even where two asperities touch within the resolution of t
-  const double t_s = std::max(t_s_ + contact.dt_s, std::nextafter(t_s_, std::numeric_limits<double>::infinity()));
-  if (const auto end = end_before(contact, t_s)) {
-    result_.end = *end;
-    is_over_ = true;
-    return;
-  }
-  t_s_ = t_s;
-  collide_at(contact);
-  is_over_ = ++n_impacts_ == config_->n_impacts_max;
-}
-
-/// Why the drop ends without this contact, if it does.
-std::optional<DropEnd> Drop::end_before(const FirstContact& contact, double t_s) const {
-  if (t_s > config_->max_time_s) return DropEnd::time_reached;
-  if (!is_on_plate(*config_, contact.state)) return DropEnd::left_plate;
-  // a ball that rolls, or spins fast, may be struck while it rises: it bounces no more
-  const double v_mps = -contact.state.motion.velocity_mps.z;
-  if (v_mps <= 0.0 || v_mps < config_->min_speed_mps) return DropEnd::speed_reached;
-  return std::nullopt;
-}
-
-void Drop::collide_at(const FirstContact& contact) {
-  const SimulationConfig& config = *config_;
-  const Motion& before = contact.state.motion;
-  if (config.air) result_.energy.drag_j += energy_j(config, state_) - energy_j(config, contact.state);
-  const Collision collision =
-      collide(config.ball, config.law, config.contact, lever_of(config, *envelope_, contact), before);
-  result_.impacts.rows.push_back(impact_row(number_, n_impacts_, t_s_, before, collision, contact.asperity));
-  if (config.with_state) result_.impacts.states.push_back(impact_state(config.ball, contact.state, collision.after));
-  result_.energy.add(impact_energy(config.ball, before, collision.after));
-  left_ = contact.asperity;
-  state_ = contact.state;
-  state_.motion = collision.after;
-}
-
-DropResult Drop::result() && {
-  result_.energy.remaining_j = energy_j(*config_, state_);
-  return std::move(result_);
-}
-
-namespace {
 
 /// Drops that take turns, until all are over.
 void simulate_in_turn(const SimulationConfig& config, const Envelope& envelope, std::span<const std::int64_t> numbers,

@@ -11,6 +11,7 @@
 #include "bouncelab/sim/vector3.hpp"
 
 namespace bouncelab::sim {
+
 /// Gnomonic coordinates of a direction: the face of the cube [-1, 1]^3 it leaves through, and where.
 struct CubePoint {
   int face = 0;  ///< 2 axis + (1 where the component is negative)

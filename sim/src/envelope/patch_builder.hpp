@@ -16,6 +16,7 @@
 #include "envelope/cube_cell.hpp"
 
 namespace bouncelab::sim {
+
 /// Memory for many arrays that are given back together: no room between them, and large pages where the system has
 /// them, because a search reads one place in gigabytes, and would wait for the tables of small pages too.
 class Arena {

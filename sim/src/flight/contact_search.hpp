@@ -1,14 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "bouncelab/core/elementary.hpp"
+#include "bouncelab/core/error.hpp"
 #include "bouncelab/sim/envelope.hpp"
 #include "bouncelab/sim/flight.hpp"
 #include "bouncelab/sim/vector3.hpp"
@@ -133,6 +138,18 @@ inline Pole make_pole(Quaternion orientation, Vector3 spin_radps) {
   return {along, n - along, sine, rate, rate * norm(sine)};
 }
 
+/// How long gap + slope s - bend s^2/2 stays positive, for gap >= 0.
+inline double safe_step_s(double gap_m, double slope_mps, double bend_mps2) {
+  const double root = std::sqrt(slope_mps * slope_mps + 2.0 * bend_mps2 * gap_m);
+  return slope_mps > 0.0 ? (slope_mps + root) / bend_mps2 : 2.0 * gap_m / (root - slope_mps);
+}
+
+/// A bound of the envelope is passed by when the ball is higher by this: far below what matters (femtoseconds),
+/// far above the rounding of heights.
+inline constexpr double kClear_m = 1e-12;
+/// Cells after which a search is given up: only an invalid state gets there.
+inline constexpr int kMaxSearchSteps = 10'000'000;
+
 /// The search for the first contact of one flight (the method: find_first_contact). Path is the centre's: Parabola or
 /// DraggedPath.
 ///
@@ -143,11 +160,39 @@ class ContactSearch {
  public:
   /// First step: where the pole is when the ball comes down. @param envelope  must outlive the search
   ContactSearch(const Ball& ball, const Envelope& envelope, const BallState& start, Path path,
-                std::optional<std::int64_t> left);
+                std::optional<std::int64_t> left)
+      : radius_m_(ball.radius_m),
+        envelope_(&envelope),
+        start_(start),
+        path_(std::move(path)),
+        pole_(make_pole(start.orientation, start.motion.spin_radps)),
+        bend_mps2_(path_.bend_mps2() + radius_m_ * pole_.rate_radps * pole_.speed_radps),
+        left_(left) {
+    t_ = time_of_unhindered_rise();
+    go_down_to_envelope();
+  }
+
   /// Second step, to be repeated until it is done: the leaf around the pole. @return whether it is found
-  bool find_leaf();
+  bool find_leaf() {
+    const std::optional<Envelope::Leaf> found = leaf_search_->advance();
+    if (found) leaf_ = *found;
+    return found.has_value();
+  }
+
   /// Third step: the contact, most often in that leaf. @throws Error where there is none
-  FirstContact find_contact();
+  FirstContact find_contact() {
+    for (int step = 0; step < kMaxSearchSteps; ++step) {
+      // most often the leaf under the pole is where the ball comes down
+      const double t_exit = t_ + leaf_.margin_rad / pole_.speed_radps;
+      if (const auto found = find_in_leaf(t_exit)) return contact_of(*found);
+      leave_leaf(t_exit);
+      go_down_to_envelope();
+      while (!find_leaf()) {
+      }
+    }
+    throw Error("flight: no contact found in " + std::to_string(kMaxSearchSteps) +
+                " cells of the surface; is the spin or the speed absurd?");
+  }
 
  private:
   /// The sites of a leaf that are examined: all of its list, until most of it is ruled out. Longer lists than fit are
@@ -168,18 +213,116 @@ class ContactSearch {
     const Envelope::Site* site;  ///< nullptr: the smooth sphere
   };
 
-  double time_of_unhindered_rise() const;
-  double skip_above(double elevation, double t) const;
-  void go_down_to_envelope();
-  std::optional<Found> find_in_leaf(double t_exit) const;
-  void leave_leaf(double t_exit);
-  FirstContact contact_of(const Found& found) const;
+  /// The envelope follows the pole no faster than R |n'| sqrt(2 max E): a ball that rises faster leaves all behind.
+  double time_of_unhindered_rise() const {
+    const double chase_mps = radius_m_ * pole_.speed_radps * std::sqrt(2.0 * envelope_->max_elevation());
+    if (!left_) return 0.0;
+    return std::max(0.0, (path_.initial_velocity_mps() - chase_mps) / path_.bend_mps2());
+  }
 
-  Candidate nearest(LeafSites& listed, double t, const Pole::Instant& pole) const;
-  void narrow(LeafSites& listed, const Candidate& first, double leaf_left_s) const;
-  bool is_open_until(double step_s, double gap_m, double slope_mps) const;
-  Candidate judge(const Envelope::Site* site, double gap_m, double slope_mps, double t) const;
-  std::int64_t index_of(const Envelope::Site* site) const;
+  double skip_above(double elevation, double t) const {
+    const double level_m = radius_m_ * elevation;
+    return path_.height_m(t) > level_m + kClear_m ? path_.descent_to(level_m, t) : t;
+  }
+
+  void go_down_to_envelope() {
+    t_ = skip_above(envelope_->max_elevation(), t_);
+    here_ = pole_.from(t_);
+    leaf_search_.emplace(*envelope_, here_.direction());
+  }
+
+  /// After a leaf without a contact.
+  void leave_leaf(double t_exit) {
+    if (skip_above(leaf_.max_elevation, t_) < t_exit) {
+      t_ = t_exit;
+      return;
+    }
+    // stay in the widest cell that the ball is above; the leaf itself at the least
+    const Envelope::Cell cell = envelope_->cell_below((path_.height_m(t_) - kClear_m) / radius_m_, here_.direction());
+    t_ = std::max(t_exit, std::min(t_ + cell.margin_rad / pole_.speed_radps, skip_above(cell.max_elevation, t_)));
+  }
+
+  FirstContact contact_of(const Found& found) const {
+    const double t = found.t_s;
+    FirstContact contact{t, index_of(found.site), {0.0, 0.0, -radius_m_}, start_};
+    path_.move(t, contact.state);
+    contact.state.orientation = normalized(rotation_by(t * start_.motion.spin_radps) * start_.orientation);
+    if (found.site != nullptr)
+      contact.lever_m = radius_m_ * (rotate(contact.state.orientation, found.site->direction) -
+                                     Vector3{0.0, 0.0, found.site->height});
+    return contact;
+  }
+
+  /// Advances from t_ to t_exit through the leaf; what is hit, if anything.
+  std::optional<Found> find_in_leaf(double t_exit) const {
+    LeafSites listed;
+    listed.list = leaf_.list;
+    double t = skip_above(leaf_.max_elevation, t_);
+    while (t < t_exit) {
+      const Candidate first = nearest(listed, t, here_.at(t - t_));
+      const double resolution_s = 1e-15 + 4.0 * std::numeric_limits<double>::epsilon() * t;
+      // after a safe step the gap is at most bend step^2: what is left is that over the closing speed
+      const double left_s = bend_mps2_ * first.step_s * first.step_s / -first.slope_mps;
+      if (first.slope_mps < 0.0 && left_s <= resolution_s) return Found{t + first.step_s, first.site};
+      if (!listed.is_narrow) narrow(listed, first, t_exit - t);
+      t += std::max(first.step_s, resolution_s);
+      if (path_.height_m(t) > radius_m_ * leaf_.max_elevation + kClear_m)
+        t = std::max(t, std::min(t_exit, skip_above(leaf_.max_elevation, t)));
+    }
+    return std::nullopt;
+  }
+
+  /// The smallest safe step of all that can touch.
+  Candidate nearest(LeafSites& listed, double t, const Pole::Instant& pole) const {
+    const double y = path_.height_m(t), v = path_.velocity_mps(t);
+    Candidate first = judge(nullptr, y, v, t);
+    for (std::size_t i = 0; i < listed.list.size(); ++i) {
+      const Envelope::Site& site = leaf_.sites[listed.list[i]];
+      const double gap = y - radius_m_ * (site.height - 0.5 * norm2(pole.direction - site.direction));
+      const double slope = v - radius_m_ * dot(site.direction, pole.velocity);
+      if (i < LeafSites::kMostNarrowed) {
+        listed.gap_m[i] = gap;
+        listed.slope_mps[i] = slope;
+      }
+      if (is_open_until(first.step_s, gap, slope)) continue;
+      const Candidate candidate = judge(&site, gap, slope, t);
+      if (candidate.step_s < first.step_s) first = candidate;
+    }
+    return first;
+  }
+
+  /// Rules out what is open for sure until `first` has closed for sure, where that is before the leaf is left.
+  void narrow(LeafSites& listed, const Candidate& first, double leaf_left_s) const {
+    const double left = first.slope_mps * first.slope_mps - 2.0 * bend_mps2_ * first.gap_m;
+    if (!(first.slope_mps < 0.0 && left > 0.0 && listed.list.size() <= LeafSites::kMostNarrowed)) return;
+    const double latest_s = 2.0 * first.gap_m / (std::sqrt(left) - first.slope_mps);
+    if (!(latest_s < leaf_left_s)) return;
+    std::size_t n = 0;
+    for (std::size_t i = 0; i < listed.list.size(); ++i) {
+      listed.few[n] = listed.list[i];
+      n += is_open_until(latest_s, listed.gap_m[i], listed.slope_mps[i]) ? 0 : 1;
+    }
+    listed.list = std::span(listed.few).first(n);
+    listed.is_narrow = true;
+  }
+
+  bool is_open_until(double step_s, double gap_m, double slope_mps) const {
+    return gap_m > 0.0 && gap_m + step_s * (slope_mps - 0.5 * bend_mps2_ * step_s) >= 0.0;
+  }
+
+  Candidate judge(const Envelope::Site* site, double gap_m, double slope_mps, double t) const {
+    const double bend = site == nullptr ? path_.bend_mps2() : bend_mps2_;
+    // what was just left opens with the contact's speed: its gap cannot close before 2 slope / bend
+    if (t == 0.0 && slope_mps > 0.0 && left_ == index_of(site)) return {slope_mps / bend, gap_m, slope_mps, site};
+    if (gap_m > 0.0) return {safe_step_s(gap_m, slope_mps, bend), gap_m, slope_mps, site};
+    if (slope_mps < 0.0) return {0.0, gap_m, slope_mps, site};
+    return {2.0 * slope_mps / bend, gap_m, slope_mps, site};
+  }
+
+  /// Index into the surface; -1 for nullptr, the smooth sphere.
+  std::int64_t index_of(const Envelope::Site* site) const {
+    return site == nullptr ? -1 : std::int64_t{leaf_.asperities[static_cast<std::size_t>(site - leaf_.sites.data())]};
+  }
 
   double radius_m_;
   const Envelope* envelope_;

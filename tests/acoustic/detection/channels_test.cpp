@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Which channel of a recording is taken, and in which band of it the tracks are found.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -7,14 +6,20 @@
 #include <cstdint>
 #include <vector>
 
+#include "bouncelab/audio/sound_file.hpp"
 #include "bouncelab/core/random.hpp"
 #include "candidate_rows.hpp"
+#include "candidates/candidates.hpp"
 #include "channel_of_candidates.hpp"
 #include "channel_tracks.hpp"
 #include "support/bouncing_sound.hpp"
+#include "support/modal_sound.hpp"
+#include "whitening/whitening.hpp"
 
 namespace bouncelab::detection {
 namespace {
+
+// Which channel of a recording is taken, and in which band of it the tracks are found.
 
 using test::band_of;
 using test::Channel;
@@ -167,5 +172,54 @@ TEST(ChannelTracks, ASoftBallIsFoundInALowBandOfItsSound) {
   EXPECT_GE(channel.found.tracks[0].impacts.size(), 7u);
 }
 
+/// Noise, and sounds every 0.15 s: some at either end and where one block of the search goes over into the next.
+std::vector<float> struck(double rate_hz) {
+  constexpr double kSound_s = 4.0;
+  std::vector<float> x(static_cast<std::size_t>(kSound_s * rate_hz));
+  std::uint32_t state = 7;
+  for (float& sample : x) {
+    state = 1664525U * state + 1013904223U;
+    sample = static_cast<float>(1e-3 * (state / 4294967296.0 - 0.5));
+  }
+  const test::ModalSound ping = test::equal_modes({0.1 * rate_hz, 0.23 * rate_hz}, 5e-3, 0.05);
+  for (double t_s = 0.004; t_s < kSound_s; t_s += 0.15) test::add_modal_sound(x, rate_hz, t_s, 0.1, ping);
+  test::add_modal_sound(x, rate_hz, kSound_s - 0.004, 0.1, ping);
+  return x;
+}
+
+CandidatesOfSound found_in(const audio::AudioSource& sound, int n_threads) {
+  return find_candidates(sound, learn_ar_models(sound, 48).signal, n_threads, {});
+}
+
+// hops of one sample, and just below the rates at which a hop is a sample longer: the shortest margins of a block
+const double kRates_hz[] = {4000.0, 11990.0, 44100.0, 83990.0, 96000.0};
+
+TEST(Candidates, AreInOrderTheSameOnAnyNumberOfThreadsWithTheEnergiesOfTheSoundAroundThem) {
+  for (const double rate_hz : kRates_hz) {
+    SCOPED_TRACE(rate_hz);
+    const std::vector<float> x = struck(rate_hz);
+    const audio::AudioSource sound = audio::source_in_memory(x, rate_hz);
+    const CandidatesOfSound found = found_in(sound, 1), by_three = found_in(sound, 3);
+    EXPECT_GE(found.candidates.size(), 27U);  // that many sounds
+    ASSERT_EQ(by_three.candidates.size(), found.candidates.size());
+    ASSERT_EQ(found.band_energies.size(), found.candidates.size());
+    BandEnergyMeter meter(rate_hz);
+    std::vector<float> around(static_cast<std::size_t>(2 * meter.reach() + 1));
+    for (std::size_t k = 0; k < found.candidates.size(); ++k) {
+      const Candidate &one = found.candidates[k], &other = by_three.candidates[k];
+      EXPECT_EQ(one.t_s, other.t_s);
+      EXPECT_EQ(one.amplitude, other.amplitude);
+      EXPECT_EQ(one.log_likelihood_ratio, other.log_likelihood_ratio);
+      EXPECT_TRUE(k == 0 || found.candidates[k - 1].t_s < one.t_s) << k;
+      audio::read_padded(sound, std::llround(one.t_s * rate_hz) - meter.reach() - 1, around);
+      for (const CandidatesOfSound* of : {&found, &by_three}) {
+        EXPECT_EQ(of->band_energies[k].log_power, meter.measure(around).log_power);
+        EXPECT_EQ(of->band_energies[k].added_share, meter.measure(around).added_share);
+      }
+    }
+  }
+}
+
 }  // namespace
+
 }  // namespace bouncelab::detection

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "bouncelab/core/error.hpp"
-#include "bouncelab/detection/score.hpp"
+#include "bouncelab/detection/detect.hpp"
 #include "bouncelab/detection/wave_preview.hpp"
 
 namespace bouncelab::detection {

@@ -16,6 +16,7 @@
 #include "bouncelab/core/text.hpp"
 #include "bouncelab/detection/detect.hpp"
 #include "bouncelab/fit/restitution.hpp"
+#include "bouncelab/loop/analyze.hpp"
 #include "bouncelab/loop/comparison.hpp"
 #include "bouncelab/report/answer.hpp"
 #include "bouncelab/report/notes.hpp"
@@ -61,14 +62,9 @@ Outcome read_sounds(const std::vector<fs::path>& files, const CompareOptions& op
   if (files.empty()) return {};
   std::vector<Note> notes;
   const std::vector<fs::path> once = each_once(files, run.common.n_threads, "recording", notes);
-  std::vector<detection::RecordingDetection> recordings(once.size());
   const int n_threads = kMayStartChildBesideThreads ? resolved_threads(run.common.n_threads) : 1;
-  detection::detect_each(
-      once, {}, n_threads,
-      [&](std::size_t k, detection::Detection&& found) {
-        recordings[k] = {once[k].string(), found.onsets.size(), std::move(found)};
-      },
-      progress_line(run, "detect", "recordings"));
+  const Recordings recordings =
+      loop::detect_all(once, {}, n_threads, false, progress_line(run, "detect", "recordings"));
   for (const detection::RecordingDetection& recording : recordings) {
     const fit::RestitutionConfig config =
         restitution_config(with_conditions_of({recording.recording}, options.restitution, run.given));

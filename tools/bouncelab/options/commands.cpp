@@ -20,6 +20,14 @@ Section in_full_help(Section section) {
   return section;
 }
 
+/// The options of a stage, with its files in front.
+template <class Options>
+std::vector<Section> with_files(Description files, Options& options) {
+  std::vector<Section> sections = sections_of(options);
+  sections.insert(sections.begin(), {"", files, &options});
+  return sections;
+}
+
 /// Of several recordings another than that of the first alone, whose report would be in the way.
 std::string folder_beside(const std::vector<std::filesystem::path>& recordings) {
   const std::filesystem::path& path = recordings.front();
@@ -82,7 +90,7 @@ Command loop_command() {
       "Examples: bouncelab loop --preset quick --out out/loop\n"
       "          bouncelab loop --preset paper --out out/paper\n"
       "          bouncelab loop --config samples/sweep.toml --out out/sweep   (lists in the file are run through)",
-      loop_sections(*options),
+      sections_of(*options),
       [options](Run& run) {
         apply_loop_preset(*options, run);
         return run_loop(*options, run);
@@ -100,10 +108,7 @@ Command simulate_command() {
   return {"simulate",
           "Drop a rough ball: impact times, velocities, asperities",
           "Example: bouncelab simulate --drops 10 --asperities 100000 --out impacts.csv",
-          {{"", files, options.get()},
-           ball_section(options->world),
-           section_of(*options, "Ball, ground and drops"),
-           simulation_alone_section(*options)},
+          with_files(files, *options),
           [options](Run& run) {
             if (options->preset == "paper") apply_paper_preset(*options, run);
             return run_simulate(*options, run);
@@ -124,14 +129,12 @@ Command synthesize_command() {
       member<&O::each_drop>("each_drop", "One file for each drop: NAME.0000.wav, NAME.0001.wav ...")};
   auto options = std::make_shared<O>();
   options->world = {};
+  std::vector<Section> sections = with_files(files, *options);
+  sections.push_back(codec_section(*options));
   return {"synthesize",
           "Impact times to sound: plate, sensor, noise; exact times beside it as truth",
           "Example: bouncelab synthesize impacts.csv --out recording.flac --snr-db 20 --hum 0.5",
-          {{"", files, options.get()},
-           ball_section(options->world, "those of the impacts' .meta.json, else steel:6mm on glass"),
-           section_of(*options, "Sound"),
-           codec_section(*options),
-           disturbances_section(*options)},
+          std::move(sections),
           [options](Run& run) {
             BallChoice& world = options->world = with_provenance(options->world, {options->impacts});
             if (world.ball.empty()) world.ball = kPaperBall.ball;
@@ -156,10 +159,8 @@ Command detect_command() {
       kList, member<&DetectOptions::out>("out", "Onsets, .csv").writes("FILE").required(),
       member<&DetectOptions::labels>("labels", "Also an Audacity label track").writes("FILE")};
   auto options = std::make_shared<DetectOptions>();
-  return {"detect",
-          "Impact times of bouncing balls in recordings, with standard errors; nothing has to be set",
-          "Example: bouncelab detect drop.wav --out onsets.csv --labels drop.txt",
-          {{"", files, options.get()}, section_of(options->config, "Detection"), drop_height_section(options->config)},
+  return {"detect", "Impact times of bouncing balls in recordings, with standard errors; nothing has to be set",
+          "Example: bouncelab detect drop.wav --out onsets.csv --labels drop.txt", with_files(files, *options),
           [options](Run& run) {
             std::vector<std::string> recordings;
             for (const std::filesystem::path& file : recordings_of(*options)) recordings.push_back(file.string());
@@ -179,19 +180,12 @@ Command restitution_command() {
           .positional(),
       member<&O::out>("out", "Samples, .csv").writes("FILE").required()};
   auto options = std::make_shared<O>();
-  return {"restitution",
-          "Coefficients of restitution from impact times: ratios of neighbouring intervals",
+  std::vector<Section> sections = with_files(files, *options);
+  sections.push_back(section_of(options->foreign, "Marks and tables of other programs"));
+  return {"restitution", "Coefficients of restitution from impact times: ratios of neighbouring intervals",
           "Example: bouncelab restitution onsets.csv --out samples.csv\n"
           "         bouncelab restitution monday.csv tuesday.csv --out samples.csv",
-          {{"", files, options.get()},
-           ball_section(options->world,
-                        "those of the simulation that the onsets come from (.meta.json), else not known: drag and "
-                        "contact time are then "
-                        "open"),
-           section_of(options->foreign, "Marks and tables of other programs"),
-           section_of(options->config, "Coefficients of restitution"),
-           section_of(*options, "Coefficients of restitution")},
-          [options](Run& run) {
+          std::move(sections), [options](Run& run) {
             *options = with_conditions_of(options->onsets, *options, run);
             return run_restitution(*options, run);
           }};
@@ -215,14 +209,10 @@ Command fit_command() {
       member<&O::histograms>("histograms", "Also p(eps) in windows of speed: bins, counts, density with its error, fit")
           .writes("FILE")};
   auto options = std::make_shared<O>();
-  return {"fit",
-          "eps(v), the constants of its law and the histograms p(eps) from coefficients of restitution",
+  return {"fit", "eps(v), the constants of its law and the histograms p(eps) from coefficients of restitution",
           "Example: bouncelab fit samples.csv --out fit.json\n"
           "         bouncelab fit ball_a.csv ball_b.csv --out fit.json",
-          {{"", files, options.get()},
-           ball_section(options->world, "what the samples say"),
-           section_of(options->config, "Fit")},
-          [options](Run& run) { return run_fit(*options, run); }};
+          with_files(files, *options), [options](Run& run) { return run_fit(*options, run); }};
 }
 
 Command roughness_command() {
@@ -239,10 +229,7 @@ Command roughness_command() {
       "The roughness of a ball from the scatter of its coefficients of restitution: q, and surfaces that scatter so",
       "Example: bouncelab roughness samples.csv\n"
       "         bouncelab roughness shell.csv --ball table-tennis --out roughness.json",
-      {{"", files, options.get()},
-       ball_section(options->world, "what the samples say, else a solid ball of the paper's radius"),
-       section_of(options->config)},
-      [options](Run& run) { return run_roughness(*options, run); }};
+      with_files(files, *options), [options](Run& run) { return run_roughness(*options, run); }};
 }
 
 Command compare_command() {
@@ -341,7 +328,7 @@ Command validate_command() {
       "out/mine\n"
       "          bouncelab validate --marks mine.txt --truth truth.csv\n"
       "Of each list in the configuration file the first value holds in all recordings but those of its other values.",
-      validate_sections(*options),
+      sections_of(*options),
       [options](Run& run) { return run_validate(*options, run); },
       {"simulate", "synthesize"},
       true};

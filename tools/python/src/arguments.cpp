@@ -14,30 +14,9 @@ using Json = nlohmann::ordered_json;
 using stages::Section;
 using Sections = std::vector<Section>;
 
-Sections sections_of(stages::SimulateOptions& options) {
-  return {ball_section(options.world), section_of(options), stages::simulation_alone_section(options)};
-}
-Sections sections_of(stages::SynthesizeOptions& options) {
-  return {ball_section(options.world, "that of the impacts where they were simulated, else steel:6mm on glass"),
-          section_of(options), stages::disturbances_section(options)};
-}
-Sections sections_of(stages::DetectOptions& options) {
-  return {stages::section_of(options.config), stages::drop_height_section(options.config)};
-}
-Sections sections_of(stages::RestitutionOptions& options) {
-  return {ball_section(options.world, "not known: drag and contact time stay open"), stages::section_of(options.config),
-          section_of(options)};
-}
-Sections sections_of(stages::FitOptions& options) {
-  return {ball_section(options.world, "what the samples say"), stages::section_of(options.config)};
-}
-Sections sections_of(stages::RoughnessOptions& options) {
-  return {ball_section(options.world, "what the samples say, else a solid ball of the paper's radius"),
-          stages::section_of(options.config)};
-}
-Sections sections_of(stages::LoopOptions& options) { return stages::loop_sections(options); }
+using stages::sections_of;
 /// Those of the scene alone: detectors are functions, and no file is written.
-Sections sections_of(stages::ValidateOptions& options) { return stages::scene_sections(options.scene); }
+Sections sections_of(stages::Scene& scene) { return stages::scene_sections(scene); }
 
 /// Sets each option to the texts that it was given. @return these
 stages::Given set_options(const Sections& sections, const Arguments& arguments) {
@@ -117,7 +96,7 @@ std::string options_json(const std::string& function) {
       {"simulate", options_of<stages::SimulateOptions>}, {"synthesize", options_of<stages::SynthesizeOptions>},
       {"detect", options_of<stages::DetectOptions>},     {"restitution", options_of<stages::RestitutionOptions>},
       {"fit", options_of<stages::FitOptions>},           {"roughness", options_of<stages::RoughnessOptions>},
-      {"loop", options_of<stages::LoopOptions>},         {"validate", options_of<stages::ValidateOptions>}};
+      {"loop", options_of<stages::LoopOptions>},         {"validate", options_of<stages::Scene>}};
   const auto found = functions.find(function);
   if (found == functions.end()) throw InvalidArgument("no function '" + function + "'");
   return found->second().dump();

@@ -2,13 +2,18 @@
 /// Options of the command line as keywords of Python: the same names, ranges, units and messages.
 #pragma once
 
+#include <pybind11/pybind11.h>
+
+#include <functional>
 #include <string>
 #include <vector>
 
-#include "bouncelab/fit/restitution.hpp"
+#include "bouncelab/core/samples.hpp"
 #include "stages/stages.hpp"
 
 namespace bouncelab::python {
+
+namespace py = pybind11;
 
 /// Options as the command line has them: "--drops=8", "--drag".
 using Arguments = std::vector<std::string>;
@@ -26,5 +31,26 @@ Parsed<Options> parse(const Arguments& arguments);
 /// The options of a function, in the order of --help: a JSON array of {name, help, type, default, flag, least and most
 /// number of values, choices}. @throws InvalidArgument where there is no such function
 std::string options_json(const std::string& function);
+
+/// Runs work() without the interpreter's lock, with the threads that the call asks for.
+/// @param call      gets a callback for its progress
+/// @param progress  called as progress(label, done, total, unit), at most every 50 ms, from one thread at a time, and
+///                  at the end with done = total; None: not called. What it throws ends the work
+/// @throws py::error_already_set KeyboardInterrupt after Ctrl-C, where this is the main thread; what work throws
+void run(stages::Run& call, const py::object& progress, const std::function<void()>& work);
+
+// Functions of _core: tables as dicts of arrays, everything else as JSON text. The package makes objects of them. Each
+// throws what the command of the same name throws, and InvalidArgument where it would have no result.
+// progress: None, or called as progress(label, done, total, unit).
+
+/// Simulation, sound, impact times, coefficients, and tables in files.
+void bind_stages(py::module_& m);
+/// Fits, scores, laws.
+void bind_fits(py::module_& m);
+
+/// @throws InvalidArgument naming the row that no sample can be
+RestitutionSamples samples_of(const py::dict& columns);
+/// Of outputs that no command writes.
+stages::Run writing(bool force);
 
 }  // namespace bouncelab::python

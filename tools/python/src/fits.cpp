@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "arguments.hpp"
 #include "arrays.hpp"
 #include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/error.hpp"
@@ -11,13 +12,13 @@
 #include "bouncelab/report/answer.hpp"
 #include "bouncelab/report/notes.hpp"
 #include "bouncelab/report/page.hpp"
-#include "stages.hpp"
 #include "stages/files/table_file.hpp"
 #include "stages/run.hpp"
-#include "work.hpp"
 
 namespace bouncelab::python {
+namespace {
 
+/// @return fit.json
 std::string fit(const py::dict& columns, const Arguments& arguments, const py::object& progress) {
   auto [options, run] = parse<stages::FitOptions>(arguments);
   RestitutionSamples samples = samples_of(columns);
@@ -33,6 +34,7 @@ std::string fit(const py::dict& columns, const Arguments& arguments, const py::o
   return json;
 }
 
+/// @return what `bouncelab roughness --json` prints
 std::string roughness(const py::dict& columns, const Arguments& arguments, const py::object& progress) {
   auto [options, run] = parse<stages::RoughnessOptions>(arguments);
   RestitutionSamples samples = samples_of(columns);
@@ -48,6 +50,8 @@ std::string roughness(const py::dict& columns, const Arguments& arguments, const
   return json;
 }
 
+/// @param recordings  of each (truth: columns, marks: columns, duration_s, processor_s)
+/// @return JSON {all, recordings}: the scores of all and of each
 std::string score_detector(const std::vector<std::tuple<py::dict, py::dict, double, double>>& recordings) {
   std::vector<loop::DetectorScore> scores;
   for (const auto& [truth, marks, duration_s, processor_s] : recordings) {
@@ -60,6 +64,7 @@ std::string score_detector(const std::vector<std::tuple<py::dict, py::dict, doub
   return json_text(Object{{"all", value_of(loop::pooled(scores))}, {"recordings", value_of(scores)}}, 2);
 }
 
+/// Into the folder that the arguments name. @return {summary, warnings, error}
 py::dict loop(const Arguments& arguments, const py::object& progress) {
   auto [options, run] = parse<stages::LoopOptions>(arguments);
   stages::Outcome outcome;
@@ -71,8 +76,6 @@ py::dict loop(const Arguments& arguments, const py::object& progress) {
   return result;
 }
 
-namespace {
-
 /// f of each number, in an array of the same shape.
 template <class Function>
 py::array_t<double> of_each(const py::array_t<double>& numbers, const Function& f) {
@@ -82,13 +85,13 @@ py::array_t<double> of_each(const py::array_t<double>& numbers, const Function& 
   return to;
 }
 
-}  // namespace
-
+/// eps(v) of a law as the command line describes it, "series:A2=0.0467,A4=0.1339,A5=-0.2876".
 py::array_t<double> restitution_of_law(const std::string& text, const py::array_t<double>& v_mps) {
   const RestitutionLaw law = restitution_law_from_text(text);
   return of_each(v_mps, [&law](double v) { return bouncelab::restitution(law, v); });
 }
 
+/// bouncelab::fluctuation_sides of each speed; arrays of one size. @return {below, above}
 py::tuple sides_of_fluctuation(double q, const py::array_t<double>& v_mps, const py::array_t<double>& eps,
                                const py::array_t<double>& eps_slope_spm, const py::array_t<double>& path_m2ps2) {
   const auto v = v_mps.unchecked<1>(), e = eps.unchecked<1>(), slope = eps_slope_spm.unchecked<1>(),
@@ -104,6 +107,8 @@ py::tuple sides_of_fluctuation(double q, const py::array_t<double>& v_mps, const
   return py::make_tuple(array_of(std::move(below)), array_of(std::move(above)));
 }
 
+/// The scatter about the law (fit::ScatterModel) at these speeds.
+/// @return {mean of the lower and of the upper exponential, standard deviation of the normal part, mean minus peak}
 py::tuple scatter(double v_ref_mps, const std::vector<double>& log_below, const std::vector<double>& log_above,
                   double normal_ratio, const py::array_t<double>& v_mps) {
   const fit::ScatterModel model{v_ref_mps, log_below, log_above, normal_ratio};
@@ -113,6 +118,7 @@ py::tuple scatter(double v_ref_mps, const std::vector<double>& log_below, const 
                         of_each(v_mps, [&](double v) { return model.mean_minus_peak(v); }));
 }
 
+/// Writes report.html. @param samples  none: empty
 void write_report(const std::string& path, const std::string& title, const std::string& fit_json,
                   const std::string& wave_json, const py::dict& columns, bool force) {
   report::ReportInput input;
@@ -121,6 +127,19 @@ void write_report(const std::string& path, const std::string& title, const std::
   input.wave_json = wave_json;
   if (!columns.empty()) input.samples_json = report::samples_json(samples_of(columns), fit_json);
   stages::write_text(writing(force), path, report::render(input));
+}
+
+}  // namespace
+
+void bind_fits(py::module_& m) {
+  m.def("fit", &fit);
+  m.def("roughness", &roughness);
+  m.def("loop", &loop);
+  m.def("score_detector", &score_detector);
+  m.def("restitution_of_law", &restitution_of_law);
+  m.def("scatter", &scatter);
+  m.def("sides_of_fluctuation", &sides_of_fluctuation);
+  m.def("write_report", &write_report);
 }
 
 }  // namespace bouncelab::python

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "stages.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "arguments.hpp"
 #include "arrays.hpp"
 #include "bouncelab/audio/sound_file.hpp"
 #include "bouncelab/core/error.hpp"
@@ -15,13 +15,13 @@
 #include "bouncelab/core/foreign_table.hpp"
 #include "bouncelab/core/impacts.hpp"
 #include "bouncelab/detection/wave_preview.hpp"
+#include "bouncelab/loop/analyze.hpp"
 #include "bouncelab/report/notes.hpp"
 #include "bouncelab/synthesis/synthesize.hpp"
 #include "stages/files/foreign_files.hpp"
 #include "stages/files/sample_files.hpp"
 #include "stages/files/table_file.hpp"
 #include "stages/run.hpp"
-#include "work.hpp"
 
 namespace bouncelab::python {
 namespace {
@@ -51,23 +51,15 @@ Onsets onsets_of(const py::dict& columns) {
   });
 }
 
-py::dict detected(std::vector<detection::Detection>& found, const std::vector<std::string>& names,
-                  std::vector<Note> notes) {
-  Table table = to_table(Onsets{});
-  stages::Recordings recordings;
-  bool any = false;
-  for (std::size_t k = 0; k < found.size(); ++k) {
-    recordings.push_back({names[k], found[k].onsets.size(), std::move(found[k])});
-    if (recordings[k].n_onsets == 0) continue;
-    Table rows = to_table(recordings[k].found.onsets);
-    any ? table.append(rows) : void(table = std::move(rows));
-    any = true;
-  }
+py::dict detected(const stages::Recordings& recordings, std::vector<Note> notes) {
+  Onsets onsets;
+  for (const detection::RecordingDetection& r : recordings)
+    onsets.insert(onsets.end(), r.found.onsets.begin(), r.found.onsets.end());
   py::dict result;
   for (Note& note : report::notes_of(recordings, true)) notes.push_back(std::move(note));
   report::order(notes);
   result["summary"] = json_text(stages::summary_of(recordings, notes), 2);
-  result["columns"] = columns_of(std::move(table));
+  result["columns"] = columns_of(to_table(onsets));
   result["warnings"] = report::texts_of(notes, Severity::warning);
   return result;
 }
@@ -82,16 +74,7 @@ audio::SampleEncoding encoding_named(const std::string& bits) {
   return found->second;
 }
 
-}  // namespace
-
-stages::Run writing(bool force) {
-  stages::Run run;
-  run.common.force = force;
-  run.common.quiet = true;
-  run.command_line = {"bouncelab (Python)"};
-  return run;
-}
-
+/// @return {columns, summary, warnings}
 py::dict simulate(const Arguments& arguments, const py::object& progress) {
   auto [options, run] = parse<stages::SimulateOptions>(arguments);
   const sim::SimulationConfig config = stages::simulation_config(options, run.common.seed, run.common.n_threads);
@@ -111,6 +94,7 @@ py::dict simulate(const Arguments& arguments, const py::object& progress) {
   return result;
 }
 
+/// @return {samples (frames x channels, float32), rate, truth, others, duration_s, warnings}
 py::dict synthesize(const py::dict& columns, const std::string& recording, const Arguments& arguments,
                     const py::object& progress) {
   auto [options, run] = parse<stages::SynthesizeOptions>(arguments);
@@ -143,42 +127,45 @@ py::dict synthesize(const py::dict& columns, const std::string& recording, const
   return result;
 }
 
+/// @return {columns, summary, warnings}
 py::dict detect_files(const std::vector<std::string>& names, const Arguments& arguments, const py::object& progress) {
   auto [options, run] = parse<stages::DetectOptions>(arguments);
   if (names.empty()) throw InvalidArgument("no recording is given");
-  std::vector<std::string> once;
   std::vector<Note> notes;
-  std::vector<detection::Detection> found;
+  stages::Recordings found;
   python::run(run, progress, [&, &options = options, &run = run] {
-    const std::vector<fs::path> paths =
+    const std::vector<fs::path> once =
         stages::each_once({names.begin(), names.end()}, run.common.n_threads, "recording", notes);
-    for (const fs::path& path : paths) once.push_back(path.string());
-    found = detection::detect(paths, options.config, run.common.n_threads,
-                              stages::progress_line(run, "detect", paths.size() == 1 ? "s of sound" : "recordings"));
+    found = loop::detect_all(once, options.config, run.common.n_threads, true,
+                             stages::progress_line(run, "detect", once.size() == 1 ? "s of sound" : "recordings"));
   });
-  const auto unreadable = [](const detection::Detection& d) {
-    return d.status == detection::DetectionStatus::unreadable;
+  const auto unreadable = [](const detection::RecordingDetection& r) {
+    return r.found.status == detection::DetectionStatus::unreadable;
   };
   if (!found.empty() && std::all_of(found.begin(), found.end(), unreadable))
-    throw FileError(once.front(), "none of the " + std::to_string(found.size()) +
-                                      " recordings can be read: " + found.front().notes.front().subject);
-  return detected(found, once, std::move(notes));
+    throw FileError(found.front().recording,
+                    "none of the " + std::to_string(found.size()) +
+                        " recordings can be read: " + found.front().found.notes.front().subject);
+  return detected(found, std::move(notes));
 }
 
+/// @return the same
 py::dict detect_samples(const py::array& array, double rate_hz, const std::string& recording,
                         const Arguments& arguments, const py::object& progress) {
   auto [options, run] = parse<stages::DetectOptions>(arguments);
   const SoundArray sound(array);
   detection::DetectionConfig config = options.config;
   config.rate_hz.reset();  // that of numbers in files
-  std::vector<detection::Detection> found;
+  detection::Detection found;
   python::run(run, progress, [&, &run = run] {
     const ProgressCallback done = stages::progress_line(run, "detect", "s of sound");
-    found.push_back(detection::detect(sound.samples(), rate_hz, recording, config, done, sound.n_channels()));
+    found = detection::detect(sound.samples(), rate_hz, recording, config, done, sound.n_channels());
   });
-  return detected(found, {recording}, {});
+  const std::size_t n_onsets = found.onsets.size();
+  return detected({{recording, n_onsets, std::move(found)}}, {});
 }
 
+/// @return {columns, summary}
 py::dict restitution(const py::dict& columns, const Arguments& arguments) {
   auto [options, run] = parse<stages::RestitutionOptions>(arguments);
   const fit::RestitutionConfig config = stages::restitution_config(options);
@@ -190,6 +177,7 @@ py::dict restitution(const py::dict& columns, const Arguments& arguments) {
   return result;
 }
 
+/// The onsets of heights in this unit, a list for each drop. @param drops  as people write them: their digits count
 py::dict onsets_of_heights(const std::vector<std::vector<std::string>>& drops, const std::string& unit) {
   std::string text = "drop,h\n";
   for (std::size_t drop = 0; drop < drops.size(); ++drop)
@@ -202,6 +190,7 @@ py::dict onsets_of_heights(const std::vector<std::vector<std::string>>& drops, c
   });
 }
 
+/// wave.json of a recording.
 std::string wave_of_file(const std::string& recording, int channel, const py::dict& onsets, double rate_hz, int track) {
   return json_text(value_of(detection::wave_preview(fs::path(recording), channel, onsets_of(onsets),
                                                     rate_hz > 0.0 ? std::optional(rate_hz) : std::nullopt, track)));
@@ -217,6 +206,7 @@ std::string wave_of_samples(const py::array& array, double rate_hz, const std::s
   return json_text(value_of(detection::wave_preview(source, recording, channel, onsets_of(onsets))));
 }
 
+/// Writes sound with the encoding that `bits` names: 16, 24, 32 or float.
 void write_sound(const std::string& path, const py::array& array, int rate_hz, const std::string& bits, bool force) {
   const SoundArray sound(array);
   const auto samples = sound.samples();
@@ -226,6 +216,7 @@ void write_sound(const std::string& path, const py::array& array, int rate_hz, c
   writer.commit();
 }
 
+/// Writes a table as the command line does. @param kind  impacts, onsets or samples
 void write_columns(const std::string& path, const py::dict& columns, const std::string& kind, bool force) {
   const Table table = kind == "impacts"  ? to_table(impacts_of(columns))
                       : kind == "onsets" ? to_table(onsets_of(columns))
@@ -234,7 +225,7 @@ void write_columns(const std::string& path, const py::dict& columns, const std::
 }
 
 /// The question, and each answer as the call that reads the table so.
-static std::string with_keywords(const AmbiguousTable& table, const std::string& type) {
+std::string with_keywords(const AmbiguousTable& table, const std::string& type) {
   std::string text = table.question(), before = "; say ";
   for (const auto& [meaning, told] : table.readings()) {
     text += std::exchange(before, " or ") + type + ".from_csv(path";
@@ -246,6 +237,7 @@ static std::string with_keywords(const AmbiguousTable& table, const std::string&
   return text;
 }
 
+/// Reads one.
 py::tuple read_columns(const std::string& path, const std::string& kind, const std::string& as, const std::string& unit,
                        const std::string& columns, const std::string& tier) {
   if (kind == "impacts")
@@ -269,12 +261,36 @@ py::tuple read_columns(const std::string& path, const std::string& kind, const s
   }
 }
 
+}  // namespace
+
+stages::Run writing(bool force) {
+  stages::Run run;
+  run.common.force = force;
+  run.common.quiet = true;
+  run.command_line = {"bouncelab (Python)"};
+  return run;
+}
+
 RestitutionSamples samples_of(const py::dict& columns) {
   const Table table = table_of(columns, sample_columns(), "samples");
   return read_in_memory([&] {
     DropsInTurn().check(table, "samples");
     return samples_from_table(table, "samples");
   });
+}
+
+void bind_stages(py::module_& m) {
+  m.def("simulate", &simulate);
+  m.def("synthesize", &synthesize);
+  m.def("detect_files", &detect_files);
+  m.def("detect_samples", &detect_samples);
+  m.def("restitution", &restitution);
+  m.def("onsets_of_heights", &onsets_of_heights);
+  m.def("wave_of_file", &wave_of_file);
+  m.def("wave_of_samples", &wave_of_samples);
+  m.def("write_sound", &write_sound);
+  m.def("write_columns", &write_columns);
+  m.def("read_columns", &read_columns);
 }
 
 }  // namespace bouncelab::python

@@ -14,13 +14,12 @@
 #include <utility>
 #include <vector>
 
-#include "analysis.hpp"
 #include "bouncelab/core/core.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/foreign_table.hpp"
 #include "bouncelab/core/table.hpp"
 #include "bouncelab/fit/restitution.hpp"
-#include "simulation.hpp"
+#include "page.hpp"
 #include "stage_options/options.hpp"
 
 namespace bouncelab::web {
@@ -168,93 +167,76 @@ val value_of(const Simulation& made) {
   return value;
 }
 
-val bound_version() {
-  return guarded([] { return std::string(version()) + " (" + std::string(commit()) + ")"; });
+/// What the page may set of coefficients, and what its fields take.
+std::string balls_json() {
+  const fit::RestitutionConfig config;
+  Object limits;
+  for (const Member& m : members_of(&config))
+    limits.emplace_back(m.name, Object{{"least", m.least}, {"greatest", m.greatest}, {"value", m.get(&config)}});
+  Object found = options::catalogue();
+  found.emplace_back("limits", std::move(limits));
+  return json_text(found);
 }
-val bound_balls() {
-  return guarded([] {
-    const fit::RestitutionConfig config;
-    Object limits;
-    for (const Member& m : members_of(&config))
-      limits.emplace_back(m.name, Object{{"least", m.least}, {"greatest", m.greatest}, {"value", m.get(&config)}});
-    Object found = options::catalogue();
-    found.emplace_back("limits", std::move(limits));
-    return json_text(found);
-  });
+
+std::string text_of(const val& bytes) {
+  const auto content = emscripten::convertJSArrayToNumberVector<unsigned char>(bytes);
+  return {content.begin(), content.end()};
 }
-val bound_read_sound(const val& bytes, const std::string& name) {
-  return guarded([&] {
-    const auto content = emscripten::convertJSArrayToNumberVector<unsigned char>(bytes);
-    return value_of(read_sound({content.begin(), content.end()}, name));
-  });
+
+val detected(const Sound& sound, const std::string& options) {
+  const auto found = detect(sound, options);
+  val value = val::object();
+  value.set("summary", json_text(Object{{"recordings", bouncelab::value_of(found)}}));
+  value.set("onsets", columns_of(to_table(found.front().found.onsets)));
+  return value;
 }
-val bound_detect(const val& samples, double rate_hz, int n_channels, const std::string& name,
-                 const std::string& options) {
-  return guarded([&] {
-    const auto found = detect(sound_of(samples, rate_hz, n_channels, name), options);
-    val value = val::object();
-    value.set("summary", json_text(Object{{"recordings", bouncelab::value_of(found)}}));
-    value.set("onsets", columns_of(to_table(found.front().found.onsets)));
-    return value;
-  });
-}
-val bound_analyze(const val& samples, double rate_hz, int n_channels, const std::string& name,
-                  const std::string& options) {
-  return guarded([&] { return shown(analyze(sound_of(samples, rate_hz, n_channels, name), options)); });
-}
-val bound_holds_times(const val& bytes) {
-  return guarded([&] {
-    const auto content = emscripten::convertJSArrayToNumberVector<unsigned char>(bytes);
-    return holds_times({content.begin(), content.end()});
-  });
-}
-val bound_analyze_times(const val& bytes, const std::string& name, const std::string& options) {
-  return guarded([&] {
-    const auto content = emscripten::convertJSArrayToNumberVector<unsigned char>(bytes);
-    return shown(analyze_times({content.begin(), content.end()}, name, options));
-  });
-}
-val bound_analyze_onsets(const val& onsets, const val& samples, double rate_hz, int n_channels, const std::string& name,
-                         const std::string& options) {
-  return guarded([&] {
-    return shown(analyze_onsets(onsets_from_table(table_of(onsets, onset_columns(), "marks"), "marks"),
-                                sound_of(samples, rate_hz, n_channels, name), options));
-  });
-}
-val bound_file(const std::string& name) {
-  return guarded([&] {
-    if (!last) throw InvalidArgument("nothing was analysed");
-    return last->file(name);
-  });
-}
-val bound_simulate(const std::string& options) {
-  return guarded([&] { return value_of(simulate(options)); });
-}
-val bound_scatter(const std::string& options) {
-  return guarded([&] { return scatter(options); });
-}
-val bound_wav(const val& samples, double rate_hz, int n_channels) {
-  return guarded([&] {
-    const std::string bytes = wav_of(sound_of(samples, rate_hz, n_channels, "sound.wav"));
-    return array_of(reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size());
-  });
+
+std::string file_of_last(const std::string& name) {
+  if (!last) throw InvalidArgument("nothing was analysed");
+  return last->file(name);
 }
 
 }  // namespace
 
 EMSCRIPTEN_BINDINGS(bouncelab) {
-  emscripten::function("bound_version", &bound_version);
-  emscripten::function("bound_balls", &bound_balls);
-  emscripten::function("bound_readSound", &bound_read_sound);
-  emscripten::function("bound_detect", &bound_detect);
-  emscripten::function("bound_analyze", &bound_analyze);
-  emscripten::function("bound_analyzeOnsets", &bound_analyze_onsets);
-  emscripten::function("bound_holdsTimes", &bound_holds_times);
-  emscripten::function("bound_analyzeTimes", &bound_analyze_times);
-  emscripten::function("bound_file", &bound_file);
-  emscripten::function("bound_simulate", &bound_simulate);
-  emscripten::function("bound_scatter", &bound_scatter);
-  emscripten::function("bound_wav", &bound_wav);
+  using emscripten::function;
+  using Text = std::string;
+  function(
+      "bound_version", +[] { return guarded([] { return Text(version()) + " (" + Text(commit()) + ")"; }); });
+  function(
+      "bound_balls", +[] { return guarded(balls_json); });
+  function(
+      "bound_readSound", +[](const val& bytes, const Text& name) {
+        return guarded([&] { return value_of(read_sound(text_of(bytes), name)); });
+      });
+  function(
+      "bound_detect", +[](const val& samples, double rate_hz, int n_channels, const Text& name, const Text& how) {
+        return guarded([&] { return detected(sound_of(samples, rate_hz, n_channels, name), how); });
+      });
+  function(
+      "bound_analyze", +[](const val& samples, double rate_hz, int n_channels, const Text& name, const Text& how) {
+        return guarded([&] { return shown(analyze(sound_of(samples, rate_hz, n_channels, name), how)); });
+      });
+  function(
+      "bound_analyzeOnsets",
+      +[](const val& onsets, const val& samples, double rate_hz, int n_channels, const Text& name, const Text& how) {
+        return guarded([&] {
+          return shown(analyze_onsets(onsets_from_table(table_of(onsets, onset_columns(), "marks"), "marks"),
+                                      sound_of(samples, rate_hz, n_channels, name), how));
+        });
+      });
+  function(
+      "bound_holdsTimes", +[](const val& bytes) { return guarded([&] { return holds_times(text_of(bytes)); }); });
+  function(
+      "bound_analyzeTimes", +[](const val& bytes, const Text& name, const Text& how) {
+        return guarded([&] { return shown(analyze_times(text_of(bytes), name, how)); });
+      });
+  function(
+      "bound_file", +[](const Text& name) { return guarded([&] { return file_of_last(name); }); });
+  function(
+      "bound_simulate", +[](const Text& how) { return guarded([&] { return value_of(simulate(how)); }); });
+  function(
+      "bound_scatter", +[](const Text& how) { return guarded([&] { return scatter(how); }); });
 }
 
 }  // namespace bouncelab::web

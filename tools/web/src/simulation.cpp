@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "simulation.hpp"
+#include "page.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -11,7 +11,6 @@
 #include "bouncelab/loop/theory.hpp"
 #include "bouncelab/sim/sim.hpp"
 #include "bouncelab/synthesis/synthetic_recording.hpp"
-#include "options.hpp"
 #include "stage_options/options.hpp"
 
 namespace bouncelab::web {

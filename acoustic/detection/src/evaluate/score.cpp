@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "bouncelab/detection/score.hpp"
+#include "bouncelab/detection/detect.hpp"
 
 #include <algorithm>
 #include <cmath>

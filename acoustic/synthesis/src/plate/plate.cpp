@@ -5,10 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <string>
 
 #include "bouncelab/core/elementary.hpp"
-#include "bouncelab/core/error.hpp"
 #include "bouncelab/core/numerics.hpp"
 
 namespace bouncelab::synthesis {
@@ -225,36 +223,6 @@ void disk_shapes_at(const std::vector<DiskMode>& modes, double x_m, double y_m, 
     shapes[k] = modes[k].scale * radial(modes[k], r_m) * cos(modes[k].n_diameters * theta - modes[k].phase_rad);
 }
 
-void require(bool holds, const std::string& quantity, double value, const std::string& remedy) {
-  if (!holds) throw InvalidArgument(quantity + " is " + std::to_string(value) + "; it must be " + remedy);
-}
-
-void validate_material(const Material& m, const std::string& of) {
-  require(m.youngs_modulus_pa > 0.0, of + " youngs_modulus_pa", m.youngs_modulus_pa, "positive");
-  require(m.poisson_ratio >= 0.0 && m.poisson_ratio < 0.5, of + " poisson_ratio", m.poisson_ratio, "in [0, 0.5)");
-  require(m.density_kgpm3 > 0.0, of + " density_kgpm3", m.density_kgpm3, "positive");
-}
-
-void validate_damping(const Damping& d, const std::string& of) {
-  require(d.loss_factor >= 0.0 && d.loss_factor < 1.0, of + " loss_factor", d.loss_factor, "in [0, 1)");
-  require(d.support_per_s > 0.0, of + " support_per_s", d.support_per_s, "positive (a sound must end)");
-}
-
-void validate_ground(const Ground& g) {
-  require(g.carrier.length_x_m > 0.0, "plate length_x_m", g.carrier.length_x_m, "positive");
-  require(g.carrier.length_y_m > 0.0, "plate length_y_m", g.carrier.length_y_m, "positive");
-  require(g.carrier.thickness_m > 0.0, "plate thickness_m", g.carrier.thickness_m, "positive");
-  validate_material(g.carrier.material, "plate");
-  validate_damping(g.carrier_damping, "plate");
-  if (!g.disk) return;
-  const double room_m = 0.5 * std::min(g.carrier.length_x_m, g.carrier.length_y_m);
-  require(g.disk->radius_m > 0.0 && g.disk->radius_m <= room_m, "disk radius_m", g.disk->radius_m,
-          "positive and on the plate");
-  require(g.disk->thickness_m > 0.0, "disk thickness_m", g.disk->thickness_m, "positive");
-  validate_material(g.disk->material, "disk");
-  validate_damping(g.disk_damping, "disk");
-}
-
 PlateMode plate_mode(double wavenumber_per_m, double thickness_m, double area_m2, const Material& material,
                      const Damping& damping, bool of_disk) {
   const double natural_radps = 2.0 * std::numbers::pi * mindlin_frequency_hz(wavenumber_per_m, thickness_m, material);
@@ -326,8 +294,6 @@ struct PlateModes::Shapes {
 
 PlateModes::PlateModes(const Ground& ground, double max_frequency_hz)
     : ground_(ground), shapes_(std::make_unique<Shapes>()) {
-  validate_ground(ground);
-  require(max_frequency_hz > 0.0, "max_frequency_hz", max_frequency_hz, "positive");
   const RectangularPlate& plate = ground.carrier;
   shapes_->carrier = free_rectangle_modes(plate.length_x_m, plate.length_y_m, plate.material.poisson_ratio,
                                           wavenumber_at(max_frequency_hz, plate.thickness_m, plate.material));

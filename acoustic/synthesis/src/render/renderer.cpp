@@ -27,37 +27,24 @@ std::size_t first_live_channel(const std::vector<Channel>& channels) {
 
 }  // namespace
 
-struct StrikeSound::Responses {
-  struct Place {
-    std::size_t channel;
-    double x_m, y_m;
-    bool operator==(const Place&) const = default;
-  };
-
-  std::mutex mutex;
-  std::vector<std::pair<Place, std::shared_ptr<const PointResponse>>> kept;
-};
-
 StrikeSound::StrikeSound(const SynthesisConfig& config, std::shared_ptr<const Instrument> instrument)
     : config_(config),
       instrument_(std::move(instrument)),
       measured_channel_(first_live_channel(config.channels)),
-      whitening_(instrument_->bank(), FlickerFilter(config.noise_corner_hz, config.rate_hz)),
-      responses_(std::make_unique<Responses>()) {}
-
-StrikeSound::~StrikeSound() = default;
+      whitening_(instrument_->bank(), FlickerFilter(config.noise_corner_hz, config.rate_hz)) {}
 
 /// A few at a time: those of the drops that sound and of those before, in each channel. All are the same whoever asks
 /// first.
 std::shared_ptr<const PointResponse> StrikeSound::response(std::size_t channel, const Strike& strike) const {
-  const Responses::Place place{channel, strike.x_m, strike.y_m};
-  const std::lock_guard lock(responses_->mutex);
-  auto& kept = responses_->kept;
-  for (const auto& [at, response] : kept)
+  const Place place{channel, strike.x_m, strike.y_m};
+  const std::lock_guard lock(mutex_);
+  for (const auto& [at, response] : responses_)
     if (at == place) return response;
-  if (kept.size() == 2 * config_.channels.size() * static_cast<std::size_t>(config_.together)) kept.erase(kept.begin());
-  kept.emplace_back(place, std::make_shared<const PointResponse>(instrument_->bank(), amplitudes(channel, strike)));
-  return kept.back().second;
+  if (responses_.size() == 2 * config_.channels.size() * static_cast<std::size_t>(config_.together))
+    responses_.erase(responses_.begin());
+  responses_.emplace_back(place,
+                          std::make_shared<const PointResponse>(instrument_->bank(), amplitudes(channel, strike)));
+  return responses_.back().second;
 }
 
 StrikeSound::Wave StrikeSound::wave_at(std::size_t channel, const Strike& strike) const {
@@ -166,50 +153,6 @@ Levels levels_for(const SynthesisConfig& config, double weakest_peak, double str
 
 namespace {
 
-void add_to(PoleValues& sum, const PoleValues& part) {
-  for (std::size_t p = 0; p < sum.size(); ++p) sum.set(p, sum[p] + part[p]);
-}
-
-}  // namespace
-
-void StrikeRinging::add(ContactWave wave) {
-  if (wave.end() > at_) return waves_.push_back(std::move(wave));
-  bank_.advance(wave.ringing, at_ - wave.end());
-  add_to(state_, wave.ringing);
-}
-
-template <class T>
-void StrikeRinging::add_next(std::span<T> out) {
-  const std::int64_t first = at_, end = first + static_cast<std::int64_t>(out.size());
-  for (const ContactWave& wave : waves_)
-    for (std::int64_t k = std::max(wave.first, first); k < std::min(wave.end(), end); ++k)
-      out[static_cast<std::size_t>(k - first)] +=
-          static_cast<T>(wave.samples[static_cast<std::size_t>(k - wave.first)]);
-  ring(out);
-}
-
-template <class T>
-void StrikeRinging::ring(std::span<T> out) {
-  while (!out.empty()) {
-    // waves of contacts that follow one another closely need not end in their order
-    std::int64_t until = at_ + static_cast<std::int64_t>(out.size());
-    for (const ContactWave& wave : waves_) {
-      if (wave.end() == at_) add_to(state_, wave.ringing);
-      if (wave.end() > at_) until = std::min(until, wave.end());
-    }
-    std::erase_if(waves_, [this](const ContactWave& wave) { return wave.end() <= at_; });
-    const auto n = static_cast<std::size_t>(until - at_);
-    bank_.ring(state_, silence_, out.first(n));
-    out = out.subspan(n);
-    at_ = until;
-  }
-}
-
-template void StrikeRinging::add_next(std::span<float>);
-template void StrikeRinging::add_next(std::span<double>);
-
-namespace {
-
 /// A resonator is set to zero when it is below the last of 32 bits, or 80 dB below the noise.
 constexpr double kSilence = 1e-11, kSilenceInNoise = 1e-4;
 constexpr std::int64_t kBlock = ResonatorBank::kBlock;
@@ -230,6 +173,57 @@ ContactWave scaled(ContactWave wave, double gain) {
   for (std::size_t p = 0; p < wave.ringing.size(); ++p) wave.ringing.set(p, gain * wave.ringing[p]);
   return wave;
 }
+
+/// The sound of contacts in one channel from a frame on, piece by piece: their waves until they ring freely, and from
+/// there on the ringing of all in one state.
+class StrikeRinging {
+ public:
+  /// @param first  a multiple of kBlock
+  /// @param bank   must outlive this
+  StrikeRinging(const ResonatorBank& bank, double silence, std::int64_t first)
+      : bank_(bank), silence_(silence), at_(first), state_(bank.size()) {}
+
+  /// Before the first piece, in the order of time.
+  void add(ContactWave wave) {
+    if (wave.end() > at_) return waves_.push_back(std::move(wave));
+    bank_.advance(wave.ringing, at_ - wave.end());
+    join(wave.ringing);
+  }
+
+  /// Adds the sound of the next frames to `out`, whose length is a multiple of kBlock.
+  template <class T>
+  void add_next(std::span<T> out) {
+    const std::int64_t first = at_, end = first + static_cast<std::int64_t>(out.size());
+    for (const ContactWave& wave : waves_)
+      for (std::int64_t k = std::max(wave.first, first); k < std::min(wave.end(), end); ++k)
+        out[static_cast<std::size_t>(k - first)] +=
+            static_cast<T>(wave.samples[static_cast<std::size_t>(k - wave.first)]);
+    while (!out.empty()) {
+      // waves of contacts that follow one another closely need not end in their order
+      std::int64_t until = end;
+      for (const ContactWave& wave : waves_) {
+        if (wave.end() == at_) join(wave.ringing);
+        if (wave.end() > at_) until = std::min(until, wave.end());
+      }
+      std::erase_if(waves_, [this](const ContactWave& wave) { return wave.end() <= at_; });
+      const auto n = static_cast<std::size_t>(until - at_);
+      bank_.ring(state_, silence_, out.first(n));
+      out = out.subspan(n);
+      at_ = until;
+    }
+  }
+
+ private:
+  void join(const PoleValues& ringing) {
+    for (std::size_t p = 0; p < state_.size(); ++p) state_.set(p, state_[p] + ringing[p]);
+  }
+
+  const ResonatorBank& bank_;
+  double silence_;
+  std::int64_t at_;  // frame of the next piece
+  PoleValues state_;
+  std::vector<ContactWave> waves_;  // that have not joined the ringing
+};
 
 /// To full scale. Inlined with a step of 1 it is a loop for the compiler to vectorise.
 template <class T>
@@ -259,97 +253,113 @@ Renderer::Renderer(const SynthesisConfig& config, const StrikeSound& sound, cons
       reach_ahead_s_((ConverterFilter::kHalfWidth_samples + 4.0) / config.rate_hz),
       silence_(std::max(kSilence, kSilenceInNoise * levels.noise_rms)) {}
 
-void Renderer::add_contacts(std::size_t channel, std::size_t strike, std::int64_t end, StrikeRinging& ringing) const {
-  const Strike& at = schedule_.strikes[strike];
-  const bool is_known = channel == sound_.measured_channel() && !known_[strike].samples.empty();
-  const auto begins = [end](const Contact& contact) {
-    return contact.arrival_samples - ConverterFilter::kHalfWidth_samples < static_cast<double>(end);
-  };
-  Contact direct = sound_.contact(channel, at);
-  direct.impulse *= levels_.gain;
-  const StrikeSound::Wave wave =
-      is_known && config_.sensor.echoes.empty() ? StrikeSound::Wave() : sound_.wave_at(channel, at);
-  if (begins(direct)) ringing.add(is_known ? scaled(known_[strike], levels_.gain) : wave(direct, false));
-  for (const Echo& echo : config_.sensor.echoes) {
-    Contact late = direct;
-    late.arrival_samples += echo.delay_s * config_.rate_hz;
-    late.impulse *= echo.gain;
-    if (begins(late)) ringing.add(wave(late, false));
+/// Frames first ... first + n - 1 of one channel, part by part.
+class PartsOfChannel {
+ public:
+  PartsOfChannel(const Renderer& renderer, std::size_t channel, std::int64_t first, std::int64_t n)
+      : r_(renderer), channel_(channel), first_(first), n_(n) {}
+
+  /// Calls use(at, part): frames first + at ..., of type float where that is enough.
+  template <class Use>
+  void for_each(const Use& use) const {
+    // the noise, of which silence_ is 80 dB below, is 40 dB above what single precision rounds off amplitudes of 1
+    constexpr double kSingleFrom = 1e-9;
+    if (r_.silence_ >= kSingleFrom)
+      parts_of<float>(use);
+    else
+      parts_of<double>(use);
   }
-}
 
-bool Renderer::is_single() const {
-  constexpr double kSingleFrom = 1e-9;
-  return silence_ >= kSingleFrom;
-}
-
-StrikeRinging Renderer::ringing(std::size_t channel, std::int64_t first, std::int64_t n) const {
-  const ResonatorBank& bank = sound_.instrument().bank();
-  const std::int64_t end = first + n;
-  StrikeRinging result(bank, silence_, first);
-  const double earliest_s =
-      static_cast<double>(first - bank.memory_frames()) / config_.rate_hz - sound_.largest_delay_s();
-  const double latest_s = static_cast<double>(end) / config_.rate_hz + reach_ahead_s_;
-  auto strike = std::lower_bound(schedule_.strikes.begin(), schedule_.strikes.end(), earliest_s,
-                                 [](const Strike& s, double t_s) { return s.t_s < t_s; });
-  for (; strike != schedule_.strikes.end() && strike->t_s < latest_s; ++strike)
-    add_contacts(channel, static_cast<std::size_t>(strike - schedule_.strikes.begin()), end, result);
-  return result;
-}
-
-template <class T>
-std::vector<double> Renderer::reverberant_sound(std::size_t channel, std::int64_t first, std::int64_t n) const {
-  const ReverberationTail& tail = sound_.instrument().tail();
-  const std::int64_t run_in = (tail.memory_frames() + kBlock - 1) / kBlock * kBlock;
-  std::vector<T> strikes(static_cast<std::size_t>((run_in + n + kBlock - 1) / kBlock * kBlock), T{});
-  ringing(channel, first - run_in, run_in + n).add_next(std::span<T>(strikes));
-  std::vector<double> sound(strikes.begin(), strikes.end());
-  tail.add_to(sound);
-  return {sound.begin() + run_in, sound.begin() + run_in + n};
-}
-
-template <class T, class Use>
-void Renderer::parts_of(std::size_t channel, std::int64_t first, std::int64_t n, const Use& use) const {
-  const bool is_dead = config_.channels[channel].gain == 0.0;
-  const bool is_reverberant = sound_.instrument().tail().is_audible() && !is_dead;
-  std::vector<double> whole;  // what cannot be computed in pieces
-  if (is_reverberant) whole = reverberant_sound<T>(channel, first, n);
-  if (!background_.is_white()) {
-    whole.resize(static_cast<std::size_t>(n), 0.0);
-    background_.add(channel, first, whole);
-  }
-  std::optional<StrikeRinging> strikes;
-  if (!is_dead && !is_reverberant) strikes.emplace(ringing(channel, first, n));
-  std::array<T, kPiece> piece;
-  for (std::size_t at = 0; at < static_cast<std::size_t>(n); at += kPiece) {
-    piece.fill(T{});
-    if (strikes) strikes->add_next(std::span<T>(piece));
-    const std::size_t n_wanted = std::min(kPiece, static_cast<std::size_t>(n) - at);
-    for (std::size_t begin = 0; begin < n_wanted; begin += kPart) {
-      const std::span<T> part = std::span(piece).subspan(begin, std::min(kPart, n_wanted - begin));
-      if (!whole.empty())
-        for (std::size_t k = 0; k < part.size(); ++k) part[k] += static_cast<T>(whole[at + begin + k]);
-      if (background_.is_white()) background_.add_white(channel, first + static_cast<std::int64_t>(at + begin), part);
-      if (!schedule_.pushes.empty())
-        apply_gain(schedule_.pushes, first + static_cast<std::int64_t>(at + begin), config_.rate_hz, part);
-      use(at + begin, part);
+ private:
+  /// The strike and its echoes, those that begin before frame `end`.
+  void add_contacts(std::size_t strike, std::int64_t end, StrikeRinging& ringing) const {
+    const Strike& at = r_.schedule_.strikes[strike];
+    const bool is_known = channel_ == r_.sound_.measured_channel() && !r_.known_[strike].samples.empty();
+    const auto begins = [end](const Contact& contact) {
+      return contact.arrival_samples - ConverterFilter::kHalfWidth_samples < static_cast<double>(end);
+    };
+    Contact direct = r_.sound_.contact(channel_, at);
+    direct.impulse *= r_.levels_.gain;
+    const std::vector<Echo>& echoes = r_.config_.sensor.echoes;
+    const StrikeSound::Wave wave = is_known && echoes.empty() ? StrikeSound::Wave() : r_.sound_.wave_at(channel_, at);
+    if (begins(direct)) ringing.add(is_known ? scaled(r_.known_[strike], r_.levels_.gain) : wave(direct, false));
+    for (const Echo& echo : echoes) {
+      Contact late = direct;
+      late.arrival_samples += echo.delay_s * r_.config_.rate_hz;
+      late.impulse *= echo.gain;
+      if (begins(late)) ringing.add(wave(late, false));
     }
   }
-}
 
-template <class Use>
-void Renderer::for_each_part(std::size_t channel, std::int64_t first, std::int64_t n, const Use& use) const {
-  if (is_single())
-    parts_of<float>(channel, first, n, use);
-  else
-    parts_of<double>(channel, first, n, use);
-}
+  /// From so many frames before the first one on.
+  StrikeRinging ringing(std::int64_t run_in) const {
+    const ResonatorBank& bank = r_.sound_.instrument().bank();
+    const double rate_hz = r_.config_.rate_hz;
+    const std::int64_t first = first_ - run_in, end = first_ + n_;
+    StrikeRinging result(bank, r_.silence_, first);
+    const double earliest_s = static_cast<double>(first - bank.memory_frames()) / rate_hz - r_.sound_.largest_delay_s();
+    const double latest_s = static_cast<double>(end) / rate_hz + r_.reach_ahead_s_;
+    const std::vector<Strike>& strikes = r_.schedule_.strikes;
+    auto strike = std::lower_bound(strikes.begin(), strikes.end(), earliest_s,
+                                   [](const Strike& s, double t_s) { return s.t_s < t_s; });
+    for (; strike != strikes.end() && strike->t_s < latest_s; ++strike)
+      add_contacts(static_cast<std::size_t>(strike - strikes.begin()), end, result);
+    return result;
+  }
+
+  /// All strikes' sound with the reverberation tail, begun so early that its start has decayed.
+  template <class T>
+  std::vector<double> reverberant_sound() const {
+    const ReverberationTail& tail = r_.sound_.instrument().tail();
+    const std::int64_t run_in = (tail.memory_frames() + kBlock - 1) / kBlock * kBlock;
+    std::vector<T> strikes(static_cast<std::size_t>((run_in + n_ + kBlock - 1) / kBlock * kBlock), T{});
+    ringing(run_in).add_next(std::span<T>(strikes));
+    std::vector<double> sound(strikes.begin(), strikes.end());
+    tail.add_to(sound);
+    return {sound.begin() + run_in, sound.begin() + run_in + n_};
+  }
+
+  template <class T, class Use>
+  void parts_of(const Use& use) const {
+    const Background& background = r_.background_;
+    const auto n = static_cast<std::size_t>(n_);
+    const bool is_dead = r_.config_.channels[channel_].gain == 0.0;
+    const bool is_reverberant = r_.sound_.instrument().tail().is_audible() && !is_dead;
+    std::vector<double> whole;  // what cannot be computed in pieces
+    if (is_reverberant) whole = reverberant_sound<T>();
+    if (!background.is_white()) {
+      whole.resize(n, 0.0);
+      background.add(channel_, first_, whole);
+    }
+    std::optional<StrikeRinging> strikes;
+    if (!is_dead && !is_reverberant) strikes.emplace(ringing(0));
+    std::array<T, kPiece> piece;
+    for (std::size_t at = 0; at < n; at += kPiece) {
+      piece.fill(T{});
+      if (strikes) strikes->add_next(std::span<T>(piece));
+      const std::size_t n_wanted = std::min(kPiece, n - at);
+      for (std::size_t begin = 0; begin < n_wanted; begin += kPart) {
+        const std::span<T> part = std::span(piece).subspan(begin, std::min(kPart, n_wanted - begin));
+        const std::int64_t frame = first_ + static_cast<std::int64_t>(at + begin);
+        if (!whole.empty())
+          for (std::size_t k = 0; k < part.size(); ++k) part[k] += static_cast<T>(whole[at + begin + k]);
+        if (background.is_white()) background.add_white(channel_, frame, part);
+        if (!r_.schedule_.pushes.empty()) apply_gain(r_.schedule_.pushes, frame, r_.config_.rate_hz, part);
+        use(at + begin, part);
+      }
+    }
+  }
+
+  const Renderer& r_;
+  std::size_t channel_;
+  std::int64_t first_, n_;
+};
 
 std::vector<double> Renderer::frames(std::int64_t first, std::int64_t n) const {
   const std::size_t n_channels = config_.channels.size();
   std::vector<double> interleaved(static_cast<std::size_t>(n) * n_channels);
   for (std::size_t c = 0; c < n_channels; ++c)
-    for_each_part(c, first, n, [&]<class T>(std::size_t at, std::span<T> part) {
+    PartsOfChannel(*this, c, first, n).for_each([&]<class T>(std::size_t at, std::span<T> part) {
       double* const out = interleaved.data() + at * n_channels + c;
       if (n_channels == 1)
         clip<T>(part, 1, out);
@@ -361,15 +371,12 @@ std::vector<double> Renderer::frames(std::int64_t first, std::int64_t n) const {
 
 void Renderer::append_read_back(std::int64_t first, std::int64_t n, std::vector<float>& out) const {
   const std::size_t n_channels = config_.channels.size(), begin = out.size();
+  out.resize(begin + static_cast<std::size_t>(n) * n_channels);
   std::array<float, kPart> rounded;
-  if (n_channels > 1) out.resize(begin + static_cast<std::size_t>(n) * n_channels);
   for (std::size_t c = 0; c < n_channels; ++c)
-    for_each_part(c, first, n, [&](std::size_t at, auto part) {
+    PartsOfChannel(*this, c, first, n).for_each([&](std::size_t at, auto part) {
       audio::as_read_back(part, config_.encoding, rounded);
-      if (n_channels == 1)
-        out.insert(out.end(), rounded.begin(), rounded.begin() + std::ssize(part));
-      else
-        for (std::size_t k = 0; k < part.size(); ++k) out[begin + (at + k) * n_channels + c] = rounded[k];
+      for (std::size_t k = 0; k < part.size(); ++k) out[begin + (at + k) * n_channels + c] = rounded[k];
     });
 }
 

@@ -5,7 +5,9 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "bouncelab/synthesis/synthesize.hpp"
@@ -23,7 +25,6 @@ class StrikeSound {
  public:
   /// The configuration must outlive this.
   StrikeSound(const SynthesisConfig& config, std::shared_ptr<const Instrument> instrument);
-  ~StrikeSound();
 
   const Instrument& instrument() const { return *instrument_; }
   Contact contact(std::size_t channel, const Strike& strike) const;
@@ -47,12 +48,19 @@ class StrikeSound {
   std::shared_ptr<const PointResponse> response(std::size_t channel, const Strike& strike) const;
   TrueImpact true_impact(const Strike& strike, const ContactWave& wave) const;
 
+  struct Place {
+    std::size_t channel;
+    double x_m, y_m;
+    bool operator==(const Place&) const = default;
+  };
+
   const SynthesisConfig& config_;
   std::shared_ptr<const Instrument> instrument_;
   std::size_t measured_channel_;
   Whitening whitening_;
-  struct Responses;
-  std::unique_ptr<Responses> responses_;  // of points that many strikes share; safe from any thread
+  // of points that many strikes share; safe from any thread
+  mutable std::mutex mutex_;
+  mutable std::vector<std::pair<Place, std::shared_ptr<const PointResponse>>> responses_;
 };
 
 /// From gain 1 and noise of rms 1 to these levels.
@@ -68,32 +76,6 @@ void validate(const Impacts& impacts, const SynthesisConfig& config);
 DropSource in_groups(const DropSource& drops, int n_together);
 /// @param duration_s  of a contact; the rate bounds how finely it can be followed
 void check_contact(double duration_s, const SynthesisConfig& config);
-
-/// The sound of contacts in one channel from a frame on, piece by piece: their waves until they ring freely, and from
-/// there on the ringing of all in one state.
-class StrikeRinging {
- public:
-  /// @param first  a multiple of ResonatorBank::kBlock
-  /// @param bank   must outlive this
-  StrikeRinging(const ResonatorBank& bank, double silence, std::int64_t first)
-      : bank_(bank), silence_(silence), at_(first), state_(bank.size()) {}
-
-  /// Before the first piece, in the order of time.
-  void add(ContactWave wave);
-  /// Adds the sound of the next frames to `out`, whose length is a multiple of ResonatorBank::kBlock.
-  template <class T>
-  void add_next(std::span<T> out);
-
- private:
-  template <class T>
-  void ring(std::span<T> out);
-
-  const ResonatorBank& bank_;
-  double silence_;
-  std::int64_t at_;  // frame of the next piece
-  PoleValues state_;
-  std::vector<ContactWave> waves_;  // that have not joined the ringing
-};
 
 /// The samples of a recording, segment by segment, from its schedule. A segment depends on its number only: it may be
 /// rendered on any thread, and only the events that sound in it need be in the schedule.
@@ -114,19 +96,7 @@ class Renderer {
   void append_read_back(std::int64_t first, std::int64_t n, std::vector<float>& out) const;
 
  private:
-  /// The noise, of which silence_ is 80 dB below, is 40 dB above what single precision rounds off amplitudes of 1.
-  bool is_single() const;
-  StrikeRinging ringing(std::size_t channel, std::int64_t first, std::int64_t n) const;
-  /// All strikes' sound with the reverberation tail, begun so early that its start has decayed.
-  template <class T>
-  std::vector<double> reverberant_sound(std::size_t channel, std::int64_t first, std::int64_t n) const;
-  /// Calls use(at, part): frames first + at ... of one channel, of type float where that is enough.
-  template <class Use>
-  void for_each_part(std::size_t channel, std::int64_t first, std::int64_t n, const Use& use) const;
-  template <class T, class Use>
-  void parts_of(std::size_t channel, std::int64_t first, std::int64_t n, const Use& use) const;
-  /// The strike and its echoes, those that begin before frame `end`.
-  void add_contacts(std::size_t channel, std::size_t strike, std::int64_t end, StrikeRinging& ringing) const;
+  friend class PartsOfChannel;
 
   const SynthesisConfig& config_;
   const StrikeSound& sound_;

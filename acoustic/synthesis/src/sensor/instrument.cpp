@@ -54,25 +54,6 @@ std::vector<Complex> all_poles(const PlateModes& plate, const Sensor& sensor) {
   return poles;
 }
 
-void check(const Sensor& sensor) {
-  const auto require = [](bool holds, const std::string& quantity, double value, const std::string& range) {
-    if (!holds) throw InvalidArgument("sensor " + quantity + " is " + std::to_string(value) + "; it must be " + range);
-  };
-  require(sensor.highpass_hz > 0.0, "highpass_hz", sensor.highpass_hz, "positive");
-  require(sensor.resonance_hz > 0.0, "resonance_hz", sensor.resonance_hz, "positive");
-  require(sensor.quality > 0.5, "quality", sensor.quality, "above 0.5");
-  require(sensor.reverberation.level_db >= -200.0 && sensor.reverberation.level_db <= 40.0, "reverberation level_db",
-          sensor.reverberation.level_db, "from -200 to 40");
-  require(sensor.reverberation.decay_60db_s >= 0.02 && sensor.reverberation.decay_60db_s <= 20.0,
-          "reverberation decay_60db_s", sensor.reverberation.decay_60db_s, "from 0.02 to 20");
-  for (const Echo& echo : sensor.echoes) require(echo.delay_s >= 0.0, "echo delay_s", echo.delay_s, "0 or more");
-}
-
-const Sensor& checked(const Sensor& sensor) {
-  check(sensor);
-  return sensor;
-}
-
 }  // namespace
 
 Sensor piezo_sensor() { return {}; }
@@ -106,7 +87,7 @@ PlateModes sounding(const Ground& ground, double max_mode_hz) {
 Instrument::Instrument(const Ground& ground, const Sensor& sensor, const std::vector<Channel>& channels, double rate_hz,
                        double max_mode_hz)
     : ground_(ground),
-      sensor_(checked(sensor)),
+      sensor_(sensor),
       channels_(channels),
       plate_(sounding(ground, max_mode_hz)),
       bank_(all_poles(plate_, sensor), rate_hz),

@@ -30,7 +30,7 @@ struct LawFitConfig {
   /// Terms of log b(v) on each side, 1 to 8; 0: 1 below 30 samples, 1 to 3 by BIC below 20,000, from there 3 or 6 by
   /// BIC (AIC takes 6 too often: at 20,000 samples under noise 95 % intervals of A then cover 92.5 %).
   std::size_t n_scatter_terms = 0;
-  std::size_t n_goodness = 0;   ///< replicates of the Anderson-Darling test; 0: none
+  std::size_t n_goodness = 0;   ///< replicates of the Anderson-Darling test, from 100 samples on; 0: none
   std::size_t n_bootstrap = 0;  ///< replicates of the bootstrap by drop; 0: none
   bool compare_laws = false;    ///< fill LawFit::comparison
   std::uint64_t seed = 1;       ///< of the replicates
@@ -95,10 +95,9 @@ struct LawFit {
   std::vector<std::size_t> outliers;
   std::size_t n_parameters = 0;           ///< of law and scatter together
   std::vector<NamedEstimate> parameters;  ///< A2, A4, A5 ... | gamma | eps
-  Matrix correlation;                     ///< of `parameters`
   Matrix covariance;                      ///< of `parameters`
   std::vector<NodeEstimate> nodes;
-  Matrix node_correlation;
+  Matrix node_covariance;
   std::optional<ScatterModel> scatter;
   std::optional<double> loglik, chi2, p_value;
   std::optional<std::size_t> ndf;

@@ -64,7 +64,7 @@ struct MemoryFit {
   std::size_t n_drops = 0;                ///< they are of
   std::size_t n_chains = 0;               ///< pieces of drops without a missing impact
   std::vector<NamedEstimate> parameters;  ///< A2, A4, A5 ... | gamma | eps
-  Matrix correlation, covariance;         ///< of `parameters`
+  Matrix covariance;                      ///< of `parameters`
   std::vector<NodeEstimate> nodes;
   std::optional<RestitutionLaw> law;
   /// Of the samples: heights of contacts are R s2, and q means surfaces by its inertia. Absent: not known; a solid ball

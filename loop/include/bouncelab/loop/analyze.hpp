@@ -62,6 +62,12 @@ struct Analysis {
 /// summary.json: counts and recordings.
 Description members_of(const Analysis*);
 
+/// Impacts of recordings, each with its name. @param with_details  also wave and noise, which reports show
+/// @throws as detection::detect_each
+std::vector<detection::RecordingDetection> detect_all(const std::vector<std::filesystem::path>& files,
+                                                      const detection::DetectionConfig& config, int n_threads,
+                                                      bool with_details = false, const ProgressCallback& progress = {});
+
 /// The whole chain, with all data in memory: a hundred bytes or so an impact.
 /// @param recordings  each once
 /// @throws FileError where the only recording cannot be read, InvalidArgument naming the setting that is out of range,

@@ -16,7 +16,7 @@
 #include "bouncelab/core/onsets.hpp"
 #include "bouncelab/core/parallel.hpp"
 #include "bouncelab/core/samples.hpp"
-#include "bouncelab/detection/score.hpp"
+#include "bouncelab/detection/detect.hpp"
 #include "bouncelab/fit/fit.hpp"
 #include "bouncelab/loop/theory.hpp"
 #include "bouncelab/sim/contact.hpp"

@@ -10,7 +10,7 @@
 
 #include "bouncelab/core/description.hpp"
 #include "bouncelab/core/restitution_law.hpp"
-#include "bouncelab/detection/score.hpp"
+#include "bouncelab/detection/detect.hpp"
 #include "bouncelab/fit/fit.hpp"
 
 namespace bouncelab::loop {

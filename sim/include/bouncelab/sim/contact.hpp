@@ -14,6 +14,7 @@
 #include "bouncelab/sim/vector3.hpp"
 
 namespace bouncelab::sim {
+
 /// The paper's eqs. 6-10 literally: v_c'.t = beta v_c.t with the fully coupled impulse. beta = 1 is not frictionless:
 /// an eccentric impulse would change v_c.t, so the impulse has a tangential part, which can create energy.
 struct PaperContact {

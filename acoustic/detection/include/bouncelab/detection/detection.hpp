@@ -2,6 +2,5 @@
 /// Start here: sound to impact times with standard errors.
 #pragma once
 
-#include "bouncelab/detection/detect.hpp"        // the detector
-#include "bouncelab/detection/score.hpp"         // detected against true times
+#include "bouncelab/detection/detect.hpp"        // the detector; detected against true times
 #include "bouncelab/detection/wave_preview.hpp"  // a recording reduced for a plot

@@ -71,7 +71,6 @@ struct PlateMode {
 class PlateModes {
  public:
   /// @param max_frequency_hz  modes above are left out, > 0
-  /// @throws InvalidArgument naming a length, thickness, material or damping that makes no sense
   PlateModes(const Ground& ground, double max_frequency_hz);
   ~PlateModes();
   PlateModes(PlateModes&&) noexcept;
