@@ -82,7 +82,23 @@ class CsvRows {
   explicit CsvRows(LineReader lines) : lines_(std::move(lines)) {}
   /// The next row that is not blank, over several lines where a quoted cell holds line breaks; false after the last.
   /// @throws FileError naming the line
-  bool next(std::vector<std::string>& cells);
+  bool next(std::vector<std::string>& cells) {
+    do
+      if (!lines_.next(text_)) return false;
+    while (text_.empty() || text_ == "\r");
+    line_ = lines_.number();
+    cells.assign(1, {});
+    state_ = State::begin_of_cell;
+    for (std::size_t size = text_.size();; size += text_.size() + 1) {
+      split(text_, cells);
+      if (state_ != State::quoted) return true;
+      if (size > kLongestRow_bytes)
+        refuse("the row that begins on line " + std::to_string(line_) + " is longer than " +
+               std::to_string(kLongestRow_bytes) + " bytes; is a quote not closed?");
+      if (!lines_.next(text_))
+        refuse("the file ends within the quotes of a cell that the row of line " + std::to_string(line_) + " opens");
+    }
+  }
   /// On which the row begins, counted from 1.
   std::size_t line() const { return line_; }
   const std::string& name() const { return lines_.name(); }
@@ -90,70 +106,48 @@ class CsvRows {
  private:
   enum class State { begin_of_cell, bare, quoted, after_quote };
 
-  std::size_t take(std::string_view text, std::vector<std::string>& cells);
-  void split(std::string_view text, std::vector<std::string>& cells);
-  [[noreturn]] void refuse(const std::string& what) const;
+  /// Takes what belongs together and says how many bytes that were.
+  std::size_t take(std::string_view text, std::vector<std::string>& cells) {
+    if (text[0] == ',' && state_ != State::quoted) {
+      cells.emplace_back();
+      state_ = State::begin_of_cell;
+      return 1;
+    }
+    if (text[0] == '"' && (state_ == State::begin_of_cell || state_ == State::after_quote)) {
+      if (state_ == State::after_quote) cells.back() += '"';  // a doubled one
+      state_ = State::quoted;
+      return 1;
+    }
+    if (text[0] == '"' && state_ == State::quoted) {
+      state_ = State::after_quote;
+      return 1;
+    }
+    if (state_ == State::after_quote)
+      refuse("text follows the closing quote of a cell; double the quotes within a cell, as in \"12\"\" plate.wav\"");
+    if (state_ == State::begin_of_cell) state_ = State::bare;
+    const std::size_t n = std::min(text.find(state_ == State::quoted ? '"' : ','), text.size());
+    if (state_ == State::bare && text.substr(0, n).find('\r') != std::string_view::npos)
+      refuse("a carriage return outside of quotes; end the lines with LF or CRLF");
+    cells.back() += text.substr(0, n);
+    return n;
+  }
+
+  void split(std::string_view text, std::vector<std::string>& cells) {
+    const bool has_return = !text.empty() && text.back() == '\r';
+    if (has_return) text.remove_suffix(1);
+    while (!text.empty()) text.remove_prefix(take(text, cells));
+    if (state_ == State::quoted) cells.back() += has_return ? "\r\n" : "\n";
+  }
+
+  [[noreturn]] void refuse(const std::string& what) const {
+    throw FileError(name(), "line " + std::to_string(lines_.number()) + ": " + what);
+  }
 
   LineReader lines_;
   std::string text_;
   State state_ = State::begin_of_cell;
   std::size_t line_ = 0;
 };
-
-void CsvRows::refuse(const std::string& what) const {
-  throw FileError(name(), "line " + std::to_string(lines_.number()) + ": " + what);
-}
-
-/// Takes what belongs together and says how many bytes that were.
-std::size_t CsvRows::take(std::string_view text, std::vector<std::string>& cells) {
-  if (text[0] == ',' && state_ != State::quoted) {
-    cells.emplace_back();
-    state_ = State::begin_of_cell;
-    return 1;
-  }
-  if (text[0] == '"' && (state_ == State::begin_of_cell || state_ == State::after_quote)) {
-    if (state_ == State::after_quote) cells.back() += '"';  // a doubled one
-    state_ = State::quoted;
-    return 1;
-  }
-  if (text[0] == '"' && state_ == State::quoted) {
-    state_ = State::after_quote;
-    return 1;
-  }
-  if (state_ == State::after_quote)
-    refuse("text follows the closing quote of a cell; double the quotes within a cell, as in \"12\"\" plate.wav\"");
-  if (state_ == State::begin_of_cell) state_ = State::bare;
-  const std::size_t n = std::min(text.find(state_ == State::quoted ? '"' : ','), text.size());
-  if (state_ == State::bare && text.substr(0, n).find('\r') != std::string_view::npos)
-    refuse("a carriage return outside of quotes; end the lines with LF or CRLF");
-  cells.back() += text.substr(0, n);
-  return n;
-}
-
-void CsvRows::split(std::string_view text, std::vector<std::string>& cells) {
-  const bool has_return = !text.empty() && text.back() == '\r';
-  if (has_return) text.remove_suffix(1);
-  while (!text.empty()) text.remove_prefix(take(text, cells));
-  if (state_ == State::quoted) cells.back() += has_return ? "\r\n" : "\n";
-}
-
-bool CsvRows::next(std::vector<std::string>& cells) {
-  do
-    if (!lines_.next(text_)) return false;
-  while (text_.empty() || text_ == "\r");
-  line_ = lines_.number();
-  cells.assign(1, {});
-  state_ = State::begin_of_cell;
-  for (std::size_t size = text_.size();; size += text_.size() + 1) {
-    split(text_, cells);
-    if (state_ != State::quoted) return true;
-    if (size > kLongestRow_bytes)
-      refuse("the row that begins on line " + std::to_string(line_) + " is longer than " +
-             std::to_string(kLongestRow_bytes) + " bytes; is a quote not closed?");
-    if (!lines_.next(text_))
-      refuse("the file ends within the quotes of a cell that the row of line " + std::to_string(line_) + " opens");
-  }
-}
 
 /// What is wrong with a cell; nullptr: nothing.
 using Fault = const char*;
@@ -266,15 +260,12 @@ TableReader::TableReader(std::istream& in, const std::string& name, const std::v
 TableReader::TableReader(const std::filesystem::path& path, const std::vector<ColumnSpec>& wanted)
     : state_(std::make_shared<State>(open_text(path), input_name(path), wanted)) {}
 TableReader::TableReader(Table table) : in_memory_(std::move(table)) {}
+
 Table TableReader::next(std::size_t max_rows) {
   if (!state_) {
-    Table empty;
-    for (const Column& column : in_memory_.columns)
-      empty.columns.push_back(
-          {column.name,
-           std::visit([](const auto& values) -> decltype(column.values) { return std::decay_t<decltype(values)>{}; },
-                      column.values)});
-    return std::exchange(in_memory_, std::move(empty));
+    Table all = in_memory_;
+    for (Column& column : in_memory_.columns) std::visit([](auto& values) { values.clear(); }, column.values);
+    return all;
   }
   Table table = state_->empty;
   std::vector<std::string> cells;
