@@ -46,14 +46,13 @@ bool drops_are_long(const RestitutionSamples& samples) {
 /// Adds an independent error to an estimate.
 void widen(Estimate& e, double se) {
   if (!(se > 0.0)) return;
-  constexpr double k95 = 1.959963984540054;
   const auto wider = [&](std::optional<Interval>& interval, double reach) {
     if (!interval) return;
     interval->lo = e.value - hypot(e.value - interval->lo, reach * se);
     interval->hi = e.value + hypot(interval->hi - e.value, reach * se);
   };
   wider(e.ci68, 1.0);
-  wider(e.ci95, k95);
+  wider(e.ci95, kNormal95);
   if (e.se) *e.se = hypot(*e.se, se);
   if (e.se_independent) *e.se_independent = hypot(*e.se_independent, se);
 }

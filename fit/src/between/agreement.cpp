@@ -228,7 +228,6 @@ namespace {
 
 constexpr std::size_t kFewestSamples = 3;    // of a drop whose median says something
 constexpr std::ptrdiff_t kFewestOfKind = 2;  // of each kind, but of two drops: one alone may have met something
-constexpr double kSdOverMad = 1.4826;        // of a normal
 constexpr double kFarApart = 3.0;            // gap over width of a group, and over scatter
 // gap over 1 - eps: over a factor 10 of speed between the kinds the curvature of v^(1/5) in ln v leaves a fourth of it
 constexpr double kBeyondCurvature = 0.1;

@@ -38,8 +38,7 @@ void add_heights(const FirstFlights& flights, const Estimate& ln_height, std::ve
       return exp(ln_height_m + ln_ratio);
     };
     // the timing of the flight is an error apart
-    constexpr double k95 = 1.959963984540054;
-    const double timing = k95 * 2.0 * s.sigma_v_mps.value_or(0.0) / s.v_mps;
+    const double timing = kNormal95 * 2.0 * s.sigma_v_mps.value_or(0.0) / s.v_mps;
     const double more = reach > 0.0 ? hypot(reach, timing) / reach : 1.0;
     const auto end = [&](double ln_end) { return height(ln_height.value + more * (ln_end - ln_height.value)); };
     Estimate e;

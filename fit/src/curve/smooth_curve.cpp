@@ -335,11 +335,10 @@ void SmoothCurve::describe_deviation(const Sum& sum) {
     return m;
   };
   const auto log_normal = [](double ln_median, double sd) {
-    constexpr double k95 = 1.959963984540054;
     Estimate e;
     e.value = exp(ln_median);
     e.ci68 = Interval{exp(ln_median - sd), exp(ln_median + sd)};
-    e.ci95 = Interval{exp(ln_median - k95 * sd), exp(ln_median + k95 * sd)};
+    e.ci95 = Interval{exp(ln_median - kNormal95 * sd), exp(ln_median + kNormal95 * sd)};
     e.se = 0.5 * (e.ci68->hi - e.ci68->lo);
     return e;
   };

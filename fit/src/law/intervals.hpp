@@ -18,7 +18,7 @@ struct ProfileIntervals {
 
 /// How far the likelihood falls to the ends of intervals, as the signed root of twice the fall.
 struct ProfileLevels {
-  double z68 = 1.0, z95 = 1.959963984540054;  ///< of very many samples
+  double z68 = 1.0, z95 = kNormal95;  ///< of very many samples
 };
 /// Of n samples about a curve of n_location parameters whose scatter is not known: where the likelihood of normal
 /// scatter is at the ends of the exact interval by Student's t, z^2 = n log(1 + t^2 / (n - n_location)). A curve

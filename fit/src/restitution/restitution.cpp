@@ -100,7 +100,7 @@ void flag_wrong_intervals(std::span<RestitutionSample> drop, bool error_is_known
   const double factor = std::sqrt(1.0 + m);
   std::vector<double> off;  // T' - m T, up to a constant
   for (const auto& s : drop) off.push_back(std::abs((s.eps - m) * s.v_mps));
-  constexpr double kFarOff = 5.0 * 1.4826;  // standard deviations, of a normal distribution, in medians
+  constexpr double kFarOff = 5.0 * kSdOverMad;  // standard deviations in medians
   const double within = error_is_known ? 0.0 : kFarOff * median(off);
   const auto differ = [&](double a, double b) { return a >= factor * b || b >= factor * a; };
   for (std::size_t k = 0; k < drop.size(); ++k) {

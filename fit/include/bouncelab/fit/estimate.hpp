@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "bouncelab/core/description.hpp"
+#include "bouncelab/core/numerics.hpp"
 
 namespace bouncelab::fit {
 
@@ -89,7 +90,7 @@ Description members_of(const CurvePoint*);
 using Matrix = std::vector<std::vector<double>>;
 
 /// value, standard error and the intervals value -+ reach68 se, value -+ reach95 se; by default the normal ones.
-Estimate normal_estimate(double value, double se, double reach68 = 1.0, double reach95 = 1.959963984540054);
+Estimate normal_estimate(double value, double se, double reach68 = 1.0, double reach95 = kNormal95);
 
 /// "0.98169 ± 0.00004": two digits of the standard error and as many decimals of the value; six significant digits of
 /// the value where there is no standard error (absent, not positive or not finite).
