@@ -19,8 +19,6 @@
 namespace bouncelab::fit {
 namespace {
 
-constexpr double kSpeedRatioMin = 1.2;
-
 /// The law that samples can say something of: as asked for from eight on, two terms of a series from five on, a
 /// constant below, and where all have about one speed.
 LawFitConfig for_these(LawFitConfig config, const LawData& data, std::vector<Note>& notes) {
@@ -28,7 +26,7 @@ LawFitConfig for_these(LawFitConfig config, const LawData& data, std::vector<Not
   const std::size_t n = data.size();
   if (n == 0) return config;
   const double lo = data.v_mps[n / 20], hi = data.v_mps[n - 1 - n / 20];
-  if (config.kind == LawKind::series && config.orders.size() > 1 && hi < kSpeedRatioMin * lo) {
+  if (config.kind == LawKind::series && config.orders.size() > 1 && hi < kOneSpeed * lo) {
     config.kind = LawKind::constant;
     notes.push_back({NoteKind::one_speed, {lo, hi}});
     return config;
