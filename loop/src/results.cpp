@@ -43,13 +43,6 @@ Object both_slopes(const ComparedSlopes& s, std::optional<fit::Estimate> Compare
   return {{"rising", value_and_error(s.rising.*side, "value")}, {"falling", value_and_error(s.falling.*side, "value")}};
 }
 
-Object estimate_of(const fit::Estimate& estimate) {
-  Object all{{"value", estimate.value}};
-  if (estimate.se) all.emplace_back("se", *estimate.se);
-  if (estimate.ci95) all.emplace_back("ci95", value_of(*estimate.ci95));
-  return all;
-}
-
 }  // namespace
 
 Description members_of(const ComparedNode*) {
@@ -106,8 +99,7 @@ Description members_of(const LoopScore*) {
 }
 
 Value as_value(const SlopePair& pair) {
-  return Object{
-      {"simulation", estimate_of(pair.simulation)}, {"sound", estimate_of(pair.sound)}, {"ratio", pair.ratio}};
+  return Object{{"simulation", value_of(pair.simulation)}, {"sound", value_of(pair.sound)}, {"ratio", pair.ratio}};
 }
 
 Description members_of(const SlopeWindow*) {

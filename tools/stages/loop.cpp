@@ -100,14 +100,7 @@ Object spread_of(const fit::FitResult& fit) {
     v_mps.push_back(row.v_mps);
     spread.push_back(row.spread);
   }
-  Value exponent;
-  if (const std::optional<fit::Estimate>& k = fit.budget.width_exponent) {
-    Object known{{"value", k->value}};
-    if (k->se) known.emplace_back("se", *k->se);
-    if (k->ci95) known.emplace_back("ci95", value_of(*k->ci95));
-    exponent = std::move(known);
-  }
-  return {{"v_mps", v_mps}, {"spread", spread}, {"exponent", exponent}};
+  return {{"v_mps", v_mps}, {"spread", spread}, {"exponent", value_of(fit.budget.width_exponent)}};
 }
 
 /// summary.json of `loop`.

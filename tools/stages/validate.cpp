@@ -28,6 +28,8 @@ namespace fs = std::filesystem;
 struct DetectorResult {
   std::string name;
   std::vector<Marks> marks;  ///< one for each case
+  loop::DetectorScore all;
+  std::size_t n_failed = 0;
 };
 
 /// Scores of the recordings of each value, the first ones of the lists in front: name, value, score.
@@ -48,12 +50,6 @@ std::vector<FactorScore> factor_scores(const std::vector<loop::SweepAxis>& lists
   return scores;
 }
 
-loop::DetectorScore score_of_all(const DetectorResult& result) {
-  std::vector<loop::DetectorScore> scores;
-  for (const Marks& marks : result.marks) scores.push_back(marks.score);
-  return loop::pooled(scores);
-}
-
 std::string number(const std::optional<double>& value, double unit, const char* format) {
   return value ? fmt::format(fmt::runtime(format), *value / unit) : "-";
 }
@@ -64,25 +60,10 @@ std::string shortened(const std::string& name) {
   return name.size() <= kMost ? name : name.substr(0, kHead) + "..." + name.substr(name.size() - (kMost - kHead - 3));
 }
 
-Values times_of(const Onsets& onsets) {
-  Values times;
-  for (const Onset& onset : onsets) times.emplace_back(onset.t_s);
+std::vector<double> seconds_of(const Onsets& onsets) {
+  std::vector<double> times;
+  for (const Onset& onset : onsets) times.push_back(onset.t_s);
   return times;
-}
-
-std::size_t n_failed(const DetectorResult& result) {
-  return static_cast<std::size_t>(std::count_if(result.marks.begin(), result.marks.end(),
-                                                [](const Marks& marks) { return !marks.failure.empty(); }));
-}
-
-/// A line for each recording in which one failed.
-std::vector<std::string> failures_of(const std::vector<Case>& cases, const std::vector<DetectorResult>& results) {
-  std::vector<std::string> lines;
-  for (const DetectorResult& result : results)
-    for (std::size_t k = 0; k < cases.size(); ++k)
-      if (!result.marks[k].failure.empty())
-        lines.push_back(printable(result.name) + ", " + cases[k].name + ": " + result.marks[k].failure);
-  return lines;
 }
 
 /// A table's head for the terminal.
@@ -104,14 +85,14 @@ std::string line_of(const std::string& name, const loop::DetectorScore& s) {
 std::string text_of(const std::vector<Case>& cases, const std::vector<loop::SweepAxis>& lists,
                     const std::vector<DetectorResult>& results) {
   std::string text = heading(fmt::format("{} recording{}", cases.size(), cases.size() == 1 ? "" : "s"));
-  for (const DetectorResult& result : results) text += line_of(result.name, score_of_all(result));
+  for (const DetectorResult& result : results) text += line_of(result.name, result.all);
   for (const DetectorResult& result : results)
-    if (const std::optional<double> rate = score_of_all(result).invented_per_hour())
+    if (const std::optional<double> rate = result.all.invented_per_hour())
       text += fmt::format("{}: {:.3g} onsets an hour where no ball is\n", result.name, *rate);
   for (const DetectorResult& result : results)
-    if (const std::size_t n = n_failed(result); n > 0)
-      text += fmt::format("{}: failed in {} of {} recordings, whose impacts count as missed\n", result.name, n,
-                          cases.size());
+    if (result.n_failed > 0)
+      text += fmt::format("{}: failed in {} of {} recordings, whose impacts count as missed\n", result.name,
+                          result.n_failed, cases.size());
   if (!lists.empty())
     for (const DetectorResult& result : results) {
       text += "\n" + heading(shortened(result.name));
@@ -161,8 +142,8 @@ Object object_of_result(const std::vector<Case>& cases, const std::vector<loop::
                                    {"score", value_of(result.marks[k].score)},
                                    {"failure", result.marks[k].failure}});
   return {{"detector", result.name},
-          {"n_failed", value_of(n_failed(result))},
-          {"all", value_of(score_of_all(result))},
+          {"n_failed", value_of(result.n_failed)},
+          {"all", value_of(result.all)},
           {"factors", std::move(factors)},
           {"recordings", std::move(recordings)}};
 }
@@ -185,8 +166,8 @@ Values worst_of(const std::vector<Case>& cases, const std::vector<loop::TrueTime
     worst.emplace_back(Object{{"recording", cases[k].name},
                               {"f", f},
                               {"wave", value_of(wave)},
-                              {"true_s", times_of(truths[k].onsets)},
-                              {"marked_s", times_of(result.marks[k].onsets)}});
+                              {"true_s", seconds_of(truths[k].onsets)},
+                              {"marked_s", seconds_of(result.marks[k].onsets)}});
   }
   return worst;
 }
@@ -194,16 +175,16 @@ Values worst_of(const std::vector<Case>& cases, const std::vector<loop::TrueTime
 /// Times that exist already, one file against another.
 Outcome run_marks(const ValidateOptions& options) {
   if (options.truth.empty()) throw InvalidArgument("--marks: name the file of the true times with --truth");
-  std::vector<std::string> says;
-  loop::TrueTimes truth = read_times(options.truth, says);
+  std::vector<std::string> taken_for;
+  loop::TrueTimes truth = read_times(options.truth, taken_for);
   if (options.offset_only) truth.v_mps.clear();
-  Onsets marks = read_marks(options.marks, says);
+  Onsets marks = read_marks(options.marks, taken_for);
   std::stable_sort(marks.begin(), marks.end(), [](const Onset& a, const Onset& b) { return a.t_s < b.t_s; });
   const loop::DetectorScore score = score_of(truth, marks, 0.0, 0.0, options.annotated_only);
   Outcome outcome;
   outcome.result = object_of(score);
   outcome.text = heading("") + line_of(fs::path(options.marks).filename().string(), score);
-  for (const std::string& one : says) outcome.notes.push_back({NoteKind::of_file, {}, one});
+  for (const std::string& one : taken_for) outcome.notes.push_back({NoteKind::of_file, {}, one});
   return outcome;
 }
 
@@ -220,24 +201,48 @@ void remove_former(const fs::path& folder, const std::set<fs::path>& kept) {
 
 /// What was given and would have no effect is refused.
 void check_usage(const ValidateOptions& options, const Run& run) {
-  const bool has_marks = !options.marks.empty(), has_recordings = !options.recordings.empty();
-  const auto refuse_with = [](const std::string& name, const std::string& other) {
-    throw InvalidArgument("--" + name + " has no effect with --" + other + "; leave one of them out");
-  };
-  if (has_marks && !options.detectors.empty()) refuse_with("detector", "marks");
-  if (has_marks && has_recordings) refuse_with("recordings", "marks");
-  if (has_marks && !options.out.empty()) refuse_with("out", "marks");
-  if (!options.truth.empty() && !has_marks && !has_recordings)
-    throw InvalidArgument("--truth belongs to --recordings or --marks; what is synthesized has its own");
-  if (options.annotated_only && !has_marks && !has_recordings)
-    throw InvalidArgument(
-        "--annotated-only belongs to --recordings or --marks; what is synthesized has all true times");
-  if (!has_marks && !has_recordings) return;
+  const bool has_marks = !options.marks.empty();
+  if (!has_marks && options.recordings.empty()) {
+    for (const std::string name : {"truth", "annotated-only"})
+      if (run.given.contains(name))
+        throw InvalidArgument("--" + name +
+                              " belongs to --recordings or --marks; what is synthesized has all true times");
+    return;
+  }
   Scene scene = options.scene;
   const std::vector<Section> sections = scene_sections(scene, true);
+  std::vector<std::string> names;
   for (const auto& [name, texts] : run.given)
-    if (option_named(sections, name)) refuse_with(name, has_marks ? "marks" : "recordings");
-  if (!run.sweep.empty()) refuse_with(run.sweep.front().option, has_marks ? "marks" : "recordings");
+    if (option_named(sections, name) || (has_marks && (name == "detector" || name == "recordings" || name == "out")))
+      names.push_back(name);
+  for (const loop::SweepAxis& list : run.sweep) names.push_back(list.option);
+  if (!names.empty())
+    throw InvalidArgument("--" + names.front() + " has no effect with --" + (has_marks ? "marks" : "recordings") +
+                          "; leave one of them out");
+}
+
+/// Every detector on every recording; their marks are written.
+std::vector<DetectorResult> results_of(const ValidateOptions& options, const std::vector<Case>& cases,
+                                       const std::vector<loop::TrueTimes>& truths, const fs::path& marks_folder,
+                                       const Run& run) {
+  std::vector<DetectorResult> results;
+  for (const std::string& detector : options.detectors) results.push_back({detector, {}, {}, 0});
+  const ProgressCallback progress = progress_line(run, "validate", "recordings");
+  for (std::size_t k = 0; k < cases.size(); ++k)
+    for (std::size_t d = 0; d < results.size(); ++d) {
+      progress(static_cast<double>(k * results.size() + d), static_cast<double>(cases.size() * results.size()));
+      Marks marks = marks_of(results[d].name, cases[k], truths[k], options, fs::absolute(options.out));
+      write_table(run, marks_folder / std::to_string(d + 1) / (cases[k].name + ".csv"), to_table(marks.onsets),
+                  {cases[k].sound});
+      results[d].n_failed += marks.failure.empty() ? 0 : 1;
+      results[d].marks.push_back(std::move(marks));
+    }
+  for (DetectorResult& result : results) {
+    std::vector<loop::DetectorScore> scores;
+    for (const Marks& marks : result.marks) scores.push_back(marks.score);
+    result.all = loop::pooled(scores);
+  }
+  return results;
 }
 
 }  // namespace
@@ -282,11 +287,11 @@ Outcome run_validate(const ValidateOptions& options, const Run& run) {
   const fs::path folder = options.out, sounds = folder / "recordings", marks_folder = folder / "marks";
   const bool is_synthesized = options.recordings.empty();
   const std::vector<Case> cases = is_synthesized ? cases_of(options, run, sounds) : given_cases(options);
-  std::vector<std::string> says;
+  std::vector<std::string> taken_for;
   std::vector<loop::TrueTimes> truths;
   const auto read_truths = [&] {
     for (const Case& c : cases) {
-      truths.push_back(read_times(c.truth, says));
+      truths.push_back(read_times(c.truth, taken_for));
       if (!is_synthesized) check_within(c, truths.back());
       if (options.offset_only) truths.back().v_mps.clear();
     }
@@ -314,20 +319,7 @@ Outcome run_validate(const ValidateOptions& options, const Run& run) {
     read_truths();
   }
 
-  std::vector<DetectorResult> results;
-  for (const std::string& detector : detectors) results.push_back({detector, std::vector<Marks>(cases.size())});
-  const ProgressCallback progress = progress_line(run, "validate", "recordings");
-  const std::size_t n = cases.size() * detectors.size();
-  std::size_t n_done = 0;
-  for (std::size_t k = 0; k < n; ++k) {
-    progress(static_cast<double>(n_done++), static_cast<double>(n));
-    const std::size_t d = k % detectors.size();
-    const std::size_t of = k / detectors.size();
-    const Case& c = cases[of];
-    Marks& marks = results[d].marks[of] = marks_of(detectors[d], c, truths[of], options, fs::absolute(folder));
-    write_table(run, marks_folder / std::to_string(d + 1) / (c.name + ".csv"), to_table(marks.onsets), {c.sound});
-  }
-
+  const std::vector<DetectorResult> results = results_of(options, cases, truths, marks_folder, run);
   write_table(run, folder / "scores.csv", table_of(cases, results), inputs);
   Outcome outcome;
   Values all, shown;
@@ -344,12 +336,15 @@ Outcome run_validate(const ValidateOptions& options, const Run& run) {
   page.validation_json = json_text(Object{{"detectors", std::move(shown)}});
   write_text(run, folder / "report.html", report::render(page), inputs);
   outcome.text = text_of(cases, run.sweep, results) + "Report: " + (folder / "report.html").string() + "\n";
-  for (const std::string& one : says) outcome.notes.push_back({NoteKind::of_file, {}, one});
-  for (const std::string& one : failures_of(cases, results))
-    outcome.notes.push_back({NoteKind::detector_failed, {}, one});
+  for (const std::string& one : taken_for) outcome.notes.push_back({NoteKind::of_file, {}, one});
+  for (const DetectorResult& result : results)
+    for (std::size_t k = 0; k < cases.size(); ++k)
+      if (const std::string& failure = result.marks[k].failure; !failure.empty())
+        outcome.notes.push_back(
+            {NoteKind::detector_failed, {}, printable(result.name) + ", " + cases[k].name + ": " + failure});
   report::order(outcome.notes);
   if (std::all_of(results.begin(), results.end(),
-                  [&](const auto& result) { return n_failed(result) == cases.size(); })) {
+                  [&](const auto& result) { return result.n_failed == cases.size(); })) {
     outcome.exit_code = kNotUsable;
     outcome.error = "no detector worked on any recording";
   }
