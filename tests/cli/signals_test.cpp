@@ -20,7 +20,7 @@ TEST_F(Signals, OneThatCameTwiceAtOnceIsTheSameRequest) {
 }
 
 TEST_F(Signals, ASecondEndsAtOnceWhatDoesNotLookAtTheFirst) {
-  // stopped when the first signal has come, it has no time to look at that before the second, which it gets as it goes on
+  // stopped when the first signal has come, it has no time to look at that before the second
   std::string table = "drop,impact,v_mps,eps\n";
   Random random(1, RandomStream::test, 0);
   for (int drop = 0; drop < 8000; ++drop)
@@ -29,8 +29,8 @@ TEST_F(Signals, ASecondEndsAtOnceWhatDoesNotLookAtTheFirst) {
                std::to_string(0.95 + 0.003 * random.normal()) + "\n";
   write("s.csv", table);
   const Result result = shell(
-      "{ \"$B\" fit s.csv --out f.json --quiet & } ; p=$!; sleep 3; kill -TERM $p; sleep 0.01; kill -STOP $p; sleep 0.5; "
-      "kill -TERM $p; kill -CONT $p; wait $p");
+      "{ \"$B\" fit s.csv --out f.json --quiet & } ; p=$!; sleep 3; kill -TERM $p; sleep 0.01; kill -STOP $p; "
+      "sleep 0.5; kill -TERM $p; kill -CONT $p; wait $p");
   EXPECT_EQ(result.exit_code, 128 + SIGTERM) << result.err;
 }
 
