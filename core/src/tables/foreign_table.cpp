@@ -175,14 +175,14 @@ std::optional<TitleUnit> unit_of_title(std::string_view title) {
     return made(unit_named(trimmed(title.substr(in + kIn.size()), kBlanks)), title.substr(0, in));
   // "t / s" and "time_ms", but not "counts / s" and "mass_s": a word that is no quantity of that dimension makes
   // another unit; "v_in" and "t_min" are no inches and no minutes
-  constexpr std::array<std::string_view, 16> kQuantities{
+  constexpr std::array<std::string_view, 16> kQuantityNames{
       "t", "T", "dt", "\xCE\x94t", "\xE2\x88\x86t", "time", "Time", "interval",
       "h", "H", "h0", "height",    "Height",        "v",    "V",    "speed"};
   const std::size_t at = title.find('/') != std::string_view::npos ? title.find('/') : title.rfind('_');
   if (at == std::string_view::npos) return std::nullopt;
   const std::string_view quantity = trimmed(title.substr(0, at), kBlanks),
                          unit = trimmed(title.substr(at + 1), kBlanks);
-  const bool is_known = std::find(kQuantities.begin(), kQuantities.end(), quantity) != kQuantities.end();
+  const bool is_known = std::find(kQuantityNames.begin(), kQuantityNames.end(), quantity) != kQuantityNames.end();
   return !is_known || (title[at] == '_' && (unit == "in" || unit == "min")) ? std::nullopt
                                                                             : made(unit_named(unit), quantity);
 }
