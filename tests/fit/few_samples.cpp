@@ -51,13 +51,13 @@ const char* to_string(FewScatter scatter) {
 double few_samples_eps(double v_mps) { return 0.9505 - 0.008 * v_mps; }
 
 RestitutionSamples few_samples(FewScatter scatter, std::size_t n, std::uint64_t seed) {
-  constexpr double kSlowest_mps = 0.08, kFastest_mps = 0.95;
+  constexpr double kFrom_mps = 0.08, kTo_mps = 0.95;
   Random random(seed, RandomStream::test, 1000 * n + static_cast<std::uint64_t>(scatter));
   RestitutionSamples samples(n);
   for (std::size_t k = 0; k < n; ++k) {
     RestitutionSample& s = samples[k];
     s.impact = static_cast<std::int64_t>(k);
-    s.v_mps = kSlowest_mps * std::pow(kFastest_mps / kSlowest_mps, static_cast<double>(k) / static_cast<double>(n - 1));
+    s.v_mps = kFrom_mps * std::pow(kTo_mps / kFrom_mps, static_cast<double>(k) / static_cast<double>(n - 1));
     s.eps = few_samples_eps(s.v_mps) + draw(scatter, random);
   }
   if (scatter == FewScatter::one_lost)

@@ -176,7 +176,7 @@ TEST(KindsOfDrops, AreTwoOfTwoSingleDropsOfTwoBallsAndOneOfOneBall) {
     EXPECT_NEAR(two->eps_upper - two->eps_lower, 0.2, 0.02);
     for (const double sd : {4e-3, 3e-2}) n_false += two_kinds_of_drops(of_two_drops(5, sd, 0.85, seed)) ? 1 : 0;
   }
-  EXPECT_LE(n_false, test::most_of(2 * n, 0.01));
+  EXPECT_LE(n_false, test::most_of(2.0 * static_cast<double>(n), 0.01));
 }
 
 TEST(KindsOfDrops, OneBallFromTwoHeightsIsOfOneKindThoughNothingScatters) {
