@@ -221,36 +221,53 @@ std::optional<std::string> typed_value(const std::vector<std::string>& typed, co
   return value;
 }
 
-/// What toml++ 3.3 does not get over: a letter beyond ASCII where a blank may be, which it takes for impossible, and
-/// keys of a hundred thousand parts, for which it runs out of stack.
-void refuse_letters_and_deep_keys(std::string_view text, const std::string& file) {
+/// The number of a letter of 2 to 4 bytes of valid UTF-8.
+std::uint32_t number_of_letter(std::string_view letter) {
+  std::uint32_t number = static_cast<unsigned char>(letter.front()) & (0xFFU >> (letter.size() + 1));
+  for (const char c : letter.substr(1)) number = number << 6U | (static_cast<unsigned char>(c) & 0x3FU);
+  return number;
+}
+
+/// The same TOML in ASCII, its letters beyond that as \UXXXXXXXX; refuses keys of very many parts. toml++ 3.3 takes
+/// most of these letters for impossible where it looks for a blank, and runs out of stack for keys of a hundred
+/// thousand parts. They may stand between double quotes within a line: so it is known where a string ends.
+std::string in_ascii(std::string_view text, const std::string& file) {
   constexpr int kMostDots = 100;  // a section and a key have one
-  for (std::size_t line = 1; !text.empty(); ++line) {
-    const std::string_view whole = text.substr(0, text.find('\n'));
-    char quote = '\0';
-    int n_dots = 0;
-    for (std::size_t k = 0; k < whole.size() && (quote != '\0' || whole[k] != '#'); ++k) {
-      const char c = whole[k];
-      if (quote == '"' && c == '\\') ++k;
-      if (quote == '\0' ? c == '"' || c == '\'' : c == quote) quote = quote == '\0' ? c : '\0';
-      n_dots += quote == '\0' && c == '.' ? 1 : 0;
-      if ((quote == '\0' && static_cast<unsigned char>(c) >= 0x80) || n_dots > kMostDots)
-        throw FileError(file,
-                        fmt::format("line {}: is no TOML; write KEY = VALUE, letters beyond ASCII in quotes within "
-                                    "a line",
-                                    line));
-    }
-    text.remove_prefix(std::min(text.size(), whole.size() + 1));
+  std::string ascii;
+  std::size_t line = 1;
+  char quote = '\0';  // or '#', in a comment
+  int n_dots = 0;
+  for (std::size_t k = 0, n_bytes = 1; k < text.size(); k += n_bytes) {
+    const bool is_escape = quote == '"' && text[k] == '\\' && k + 1 < text.size() && text[k + 1] != '\n';
+    if (is_escape) ascii += text[k++];
+    const char c = text[k];
+    if (c == '\n') ++line, quote = '\0', n_dots = 0;
+    n_dots += quote == '\0' && c == '.' ? 1 : 0;
+    n_bytes = utf8_character(text.substr(k));
+    const bool is_letter = n_bytes != 1;  // or no UTF-8
+    const bool opens_lines = quote == '\0' && (text.substr(k, 3) == "\"\"\"" || text.substr(k, 3) == "'''");
+    if ((is_letter && (n_bytes == 0 || is_escape || (quote != '"' && quote != '#'))) || opens_lines ||
+        n_dots > kMostDots)
+      throw FileError(
+          file,
+          fmt::format("line {}: is no TOML; write KEY = VALUE, letters beyond ASCII in double quotes within a line",
+                      line));
+    ascii += is_letter ? fmt::format("\\U{:08X}", number_of_letter(text.substr(k, n_bytes))) : std::string(1, c);
+    if (quote == '\0' && (c == '"' || c == '\'' || c == '#'))
+      quote = c;
+    else if (c == quote && !is_escape && quote != '#')
+      quote = '\0';
   }
+  return ascii;
 }
 
 }  // namespace
 
 std::vector<ConfigOption> config_options(std::string_view text, const std::string& file, const Command& command,
                                          const std::vector<CommandName>& all) {
-  refuse_letters_and_deep_keys(text, file);
+  const std::string ascii = in_ascii(text, file);
   try {
-    return ConfigReader(file, command, all).options_of(toml::parse(text, std::string_view(file)));
+    return ConfigReader(file, command, all).options_of(toml::parse(ascii, std::string_view(file)));
   } catch (const toml::parse_error& error) {
     const auto line = error.source().begin.line;
     throw FileError(file, (line > 0 ? fmt::format("line {}: ", line) : "") + std::string(error.description()));
