@@ -114,52 +114,9 @@ void leave_out_edges(const std::vector<audio::Silence>& silences, CandidatesOfSo
   found = std::move(kept);
 }
 
-/// Of what the tracks leave over, echoes of their impacts aside, the likeliest track that overlaps one of them in time,
-/// if a ball is ten times likelier than chance.
-std::optional<SecondBall> second_ball(const BandOfChannel& band, const std::vector<Track>& tracks) {
-  std::vector<double> impacts_s;
-  for (const Track& track : tracks)
-    for (const TrackImpact& impact : track.impacts) impacts_s.push_back(band.candidates[impact.candidate].t_s);
-  std::sort(impacts_s.begin(), impacts_s.end());
-  const auto is_of_impact = [&](double t_s) {
-    const auto next = std::upper_bound(impacts_s.begin(), impacts_s.end(), t_s + kChannels.codec_noise_s);
-    return next != impacts_s.begin() && t_s < *(next - 1) + kTracking.echo_s;
-  };
-  // an echo follows each impact by the same time
-  const auto is_echo = [&](const Track& track, const std::vector<Candidate>& of) {
-    double least_s = HUGE_VAL, most_s = 0.0;
-    for (const TrackImpact& impact : track.impacts) {
-      const double t_s = of[impact.candidate].t_s;
-      const auto next = std::upper_bound(impacts_s.begin(), impacts_s.end(), t_s);
-      const double delay_s = next == impacts_s.begin() ? HUGE_VAL : t_s - *(next - 1);
-      least_s = std::min(least_s, delay_s);
-      most_s = std::max(most_s, delay_s);
-    }
-    return most_s - least_s < kChannels.same_echo_s;
-  };
-  std::vector<std::size_t> left;
-  for (std::size_t k = 0; k < band.candidates.size(); ++k)
-    if (!is_of_impact(band.candidates[k].t_s)) left.push_back(k);
-  if (static_cast<std::int64_t>(left.size()) < kFewestImpacts) return std::nullopt;
-  std::vector<Candidate> candidates;
-  for (const std::size_t k : left) candidates.push_back(band.candidates[k]);
-  std::optional<SecondBall> second;
-  double most = log(10.0);
-  for (const Track& track : find_tracks(candidates, 2.0 / band.sound.rate_hz, band.same_source.of(left),
-                                        duration_s(band), band.elastic_flight_s)) {
-    if (!is_any_during(band.candidates, tracks, candidates, track) || track.log_odds < most ||
-        is_echo(track, candidates))
-      continue;
-    most = track.log_odds;
-    second = SecondBall{begin_s(candidates, track), track.impacts.size()};
-  }
-  return second;
-}
-
 ChosenChannel searched(BandsOfChannel bands, std::size_t channel) {
   ChannelTracks found = find_tracks_in(bands);
   ChosenChannel chosen{channel, std::move(bands[found.band]), {}, {}};
-  if (!found.tracks.empty() && !found.is_clear) found.second_ball = second_ball(chosen.band, found.tracks);
   chosen.band.same_source = {};  // an hour of dense music has twenty megabytes of it
   for (const ChannelTracks::OfBand& other : found.others) {
     chosen.other_bands.push_back(std::move(bands[other.band]));

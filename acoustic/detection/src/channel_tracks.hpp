@@ -23,8 +23,6 @@ struct ChannelModel {
   double explained = 0.97;
   double clear_rise = 8.0;  ///< beyond the threshold of candidates
   double edge_s = 3e-3;     ///< from sound that a file has lost: reach of the windows in which a rise is looked for
-  double codec_noise_s = 30e-3;  ///< before an impact: a block of MP3 or AAC
-  double same_echo_s = 5e-3;     ///< by which the delays of a row of echoes differ at most
 };
 
 BOUNCELAB_MODEL ChannelModel kChannels;
@@ -64,12 +62,6 @@ class BandsOfChannel {
   std::size_t n_searched_ = 0;
 };
 
-/// Another ball that bounces while a drop is going on; it is said, and not timed.
-struct SecondBall {
-  double begin_s = 0.0;
-  std::size_t n_impacts = 0;
-};
-
 /// The tracks of a channel, in the band where they are most probable.
 struct ChannelTracks {
   struct OfBand {
@@ -81,7 +73,6 @@ struct ChannelTracks {
   std::vector<OfBand> others;  ///< of the other bands that were searched and have any
   /// The impacts are nearly all that rises in the whole band, and none is faint: there is nothing else to find.
   bool is_clear = false;
-  std::optional<SecondBall> second_ball{};
   double log_odds() const;
 };
 

@@ -185,8 +185,6 @@ Detection detect_in(const std::vector<audio::AudioSource>& channels, std::vector
   const double moved_s = begin_s[best.channel];
   for (Onset& onset : d.onsets) onset.t_s += moved_s;
   for (DropSummary& drop : d.drops) drop.begin_s += moved_s;
-  if (const auto& second = best.found.second_ball; second && !d.onsets.empty())
-    d.notes.push_back({NoteKind::second_ball, {static_cast<double>(second->n_impacts), second->begin_s + moved_s}});
   return d;
 }
 

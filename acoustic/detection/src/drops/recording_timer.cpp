@@ -153,10 +153,12 @@ std::size_t add_impacts_of_other_band(const TimedDrop& other, double begin_s, do
 
 namespace {
 
-/// Where the next track begins, or the recording ends.
+/// Where the next track begins after a track's last impact, or the recording ends.
 double end_of_track(const BandOfDrops& band, std::size_t k) {
-  return k + 1 < band.tracks.size() ? band.candidates[band.tracks[k + 1].impacts.front().candidate].t_s
-                                    : static_cast<double>(band.sound.n_samples) / band.sound.rate_hz;
+  const std::size_t last = band.tracks[k].impacts.back().candidate;
+  for (const Track& track : band.tracks)
+    if (track.impacts.front().candidate > last) return band.candidates[track.impacts.front().candidate].t_s;
+  return static_cast<double>(band.sound.n_samples) / band.sound.rate_hz;
 }
 
 struct TimedDrops {
@@ -236,8 +238,11 @@ void add_drops_of_other_band(const BandOfDrops& band, double gravity_mps2, const
   std::vector<TimedDrop>& drops = timed.drops;
   for (std::size_t k = 0; k < drops.size(); ++k) {
     TimedDrop& drop = drops[k];
-    const double begin_s = k == 0 ? -INFINITY : last_s(drops[k - 1]);
-    const double end_s = k + 1 == drops.size() ? INFINITY : first_s(drops[k + 1]);
+    double begin_s = -INFINITY, end_s = INFINITY;  // of the drops that are not at the same time
+    for (const TimedDrop& other_drop : drops) {
+      if (last_s(other_drop) < first_s(drop)) begin_s = std::max(begin_s, last_s(other_drop));
+      if (first_s(other_drop) > last_s(drop)) end_s = std::min(end_s, first_s(other_drop));
+    }
     std::size_t n_added = 0;
     for (const TimedDrop& shown : other.drops)
       if (first_s(shown) < last_s(drop) && last_s(shown) > first_s(drop))

@@ -41,7 +41,9 @@ double log_normal_probability(double z) {
 
 std::optional<Flight> flight_of(double interval_s, double flight_s, int n_missing) {
   const double gap = interval_s / flight_s;
-  if (gap < gap_of_eps(kLeastEps, n_missing) || gap > gap_of_eps(kLargestEps, n_missing)) return {};
+  // a gain and a missing impact at once are less likely than a new drop
+  const double largest_eps = n_missing > 0 ? 1.0 : kLargestEps;
+  if (gap < gap_of_eps(kLeastEps, n_missing) || gap > gap_of_eps(largest_eps, n_missing)) return {};
   Flight flight{eps_of_gap(gap, n_missing), flight_s, 0.0};
   for (int m = 0; m <= n_missing; ++m) {
     flight.slope_s += (m + 1) * flight.flight_s;

@@ -88,6 +88,7 @@ class Observations {
 
   std::size_t size() const { return observations_.size(); }
   const Observation& operator[](std::size_t k) const { return observations_[k]; }
+  std::span<const Observation> all() const { return observations_; }
   /// The same with what a track explains not counted among its neighbours.
   /// @param explained  indices, rising
   Observation without(std::size_t k, const std::vector<std::size_t>& explained) const;

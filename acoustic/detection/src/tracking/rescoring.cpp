@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <iterator>
 #include <numeric>
 #include <optional>
 #include <utility>
@@ -45,35 +46,18 @@ std::optional<Expected> expected_before(const std::vector<Candidate>& c, const T
   return Expected{mean - slope * reach, std::sqrt(squares / (n - 2.0) * (1.0 + 1.0 / n + reach * reach / sum_x2))};
 }
 
-/// A track's own sounds and their echoes: chance need not offer them.
-/// @param own  two candidates or more, rising
-/// @return indices, rising
-std::vector<std::size_t> explained_by(const Observations& o, const std::vector<std::size_t>& own) {
-  const std::vector<Candidate>& c = o.candidates();
-  std::vector<std::size_t> explained;
-  for (std::size_t n = 0; n < own.size(); ++n) {
-    const bool is_last = n + 1 == own.size();
-    const double flight_s = is_last ? c[own[n]].t_s - c[own[n - 1]].t_s : c[own[n + 1]].t_s - c[own[n]].t_s;
-    const double echo_s = std::min(kTracking.echo_s, kTracking.echo_of_flight * flight_s);
-    explained.push_back(own[n]);
-    for (std::size_t k = own[n] + 1; k < c.size() && c[k].t_s - c[own[n]].t_s < echo_s; ++k)
-      if (c[k].amplitude < c[own[n]].amplitude) explained.push_back(k);
-  }
-  return explained;
-}
-
 /// A track's own sounds, with what it explains not counted among their neighbours.
 struct OwnSounds {
   std::vector<std::size_t> candidates;  ///< indices, rising
-  std::vector<std::size_t> explained;   ///< these and their echoes, rising
+  std::vector<std::size_t> explained;   ///< these, their echoes, and what other tracks explain, rising
   std::vector<Observation> seen;        ///< of each
   std::vector<double> same_source;      ///< weight of one source of each and the next
 };
 
-OwnSounds own_sounds(const Observations& o, const Track& track) {
+OwnSounds own_sounds(const Observations& o, const Track& track, const std::vector<std::size_t>& by_others) {
   OwnSounds own;
   for (const TrackImpact& impact : track.impacts) own.candidates.push_back(impact.candidate);
-  own.explained = explained_by(o, own.candidates);
+  own.explained = united(explained_by(o, track), by_others);
   for (std::size_t n = 0; n < own.candidates.size(); ++n) {
     own.seen.push_back(o.without(own.candidates[n], own.explained));
     if (n > 0) own.same_source.push_back(o.same_source(own.candidates[n - 1], own.candidates[n]));
@@ -92,9 +76,7 @@ void re_estimate_start(const Observations& o, std::size_t first_free, Track& tra
     track.impacts.erase(track.impacts.begin());
   }
   const std::optional<Expected> expected = expected_before(c, track);
-  std::vector<std::size_t> own;
-  for (const TrackImpact& impact : track.impacts) own.push_back(impact.candidate);
-  const std::vector<std::size_t> explained = explained_by(o, own);
+  const std::vector<std::size_t> explained = explained_by(o, track);
   while (expected && track.impacts[1].impact == track.impacts[0].impact + 1) {
     const std::size_t first = track.impacts[0].candidate;
     const double flight_s = c[track.impacts[1].candidate].t_s - c[first].t_s;
@@ -120,7 +102,8 @@ void re_estimate_start(const Observations& o, std::size_t first_free, Track& tra
 
 /// Sounds among a track's that are like its own and about as loud, but not of it: a ball leaves none, a row of knocks
 /// or steps in which intervals happen to shrink, many. Echoes of its own do not count.
-double n_unexplained(const Observations& o, const std::vector<std::size_t>& own) {
+double n_unexplained(const Observations& o, const OwnSounds& sounds) {
+  const std::vector<std::size_t>& own = sounds.candidates;
   const std::vector<Candidate>& c = o.candidates();
   const double begin_s = c[own[0]].t_s - kTracking.row_flights * (c[own[1]].t_s - c[own[0]].t_s);
   const double end_s = c[own.back()].t_s + kTracking.row_flights * (c[own.back()].t_s - c[own[own.size() - 2]].t_s);
@@ -130,25 +113,13 @@ double n_unexplained(const Observations& o, const std::vector<std::size_t>& own)
   for (auto k = static_cast<std::size_t>(first - c.begin()); k < c.size() && c[k].t_s < end_s; ++k) {
     while (next < own.size() && own[next] < k) ++next;
     if (next < own.size() && own[next] == k) continue;
+    if (std::binary_search(sounds.explained.begin(), sounds.explained.end(), k)) continue;
     const std::size_t near = own[next > 0 ? next - 1 : 0];
     const bool is_echo = next > 0 && c[k].t_s - c[near].t_s < kTracking.echo_s;
     if (!is_echo && c[k].amplitude > kTracking.as_loud * c[near].amplitude)
       n += std::max(0.0, 2.0 * o.same_source_probability(near, k) - 1.0);
   }
   return n;
-}
-
-/// Log odds of a track where what it explains does not compete with its sounds.
-double log_odds_of(const Observations& o, const Track& track) {
-  const OwnSounds own = own_sounds(o, track);
-  Hypothesis h = Hypothesis::begin(own.seen[0], own.seen[1], own.same_source[0], false);
-  for (std::size_t n = 2; n < own.seen.size(); ++n) {
-    const auto n_missing = static_cast<int>(track.impacts[n].impact - track.impacts[n - 1].impact - 1);
-    const auto step = h.step_to(own.seen[n], n_missing, own.same_source[n - 1], false);
-    if (!step) return -INFINITY;
-    h.take(*step, own.seen[n]);
-  }
-  return h.log_odds_of_ball() - kTracking.unexplained * n_unexplained(o, own.candidates);
 }
 
 constexpr double kRateStep = 2.0;  // of the rates of drops that are averaged over
@@ -174,8 +145,50 @@ bool ends_before(const Track& a, const Track& b) { return a.impacts.back().candi
 
 }  // namespace
 
+std::vector<std::size_t> united(const std::vector<std::size_t>& a, const std::vector<std::size_t>& b) {
+  std::vector<std::size_t> both;
+  std::set_union(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(both));
+  return both;
+}
+
+std::vector<std::size_t> explained_by(const Observations& o, const Track& track) {
+  const std::vector<Candidate>& c = o.candidates();
+  const std::vector<TrackImpact>& own = track.impacts;
+  const auto t_s = [&](std::size_t n) { return c[own[n].candidate].t_s; };
+  std::vector<std::size_t> explained;
+  for (std::size_t n = 0; n < own.size(); ++n) {
+    const double flight_s = n + 1 == own.size() ? t_s(n) - t_s(n - 1) : t_s(n + 1) - t_s(n);
+    const double echo_s = std::min(kTracking.echo_s, kTracking.echo_of_flight * flight_s);
+    const std::size_t first = own[n].candidate;
+    explained.push_back(first);
+    for (std::size_t k = first + 1; k < c.size() && c[k].t_s - t_s(n) < echo_s; ++k)
+      if (c[k].amplitude < c[first].amplitude) explained.push_back(k);
+  }
+  return explained;
+}
+
+std::vector<std::size_t> explained_by_others(const Observations& o, const std::vector<Track>& tracks, std::size_t but) {
+  std::vector<std::size_t> explained;
+  for (std::size_t t = 0; t < tracks.size(); ++t)
+    if (t != but) explained = united(explained, explained_by(o, tracks[t]));
+  return explained;
+}
+
+LogOdds log_odds_of(const Observations& o, const Track& track, const std::vector<std::size_t>& by_others) {
+  const OwnSounds own = own_sounds(o, track, by_others);
+  Hypothesis h = Hypothesis::begin(own.seen[0], own.seen[1], own.same_source[0], false);
+  for (std::size_t n = 2; n < own.seen.size(); ++n) {
+    const auto n_missing = static_cast<int>(track.impacts[n].impact - track.impacts[n - 1].impact - 1);
+    const auto step = h.step_to(own.seen[n], n_missing, own.same_source[n - 1], false);
+    if (!step) return {};
+    h.take(*step, own.seen[n]);
+  }
+  const double less = kTracking.unexplained * n_unexplained(o, own);
+  return {h.log_odds_of_losing_ball() - less, h.log_odds_of_ball() - less};
+}
+
 std::vector<Track> rescored(const Observations& o, std::vector<Track> tracks) {
-  for (Track& track : tracks) track.log_odds = log_odds_of(o, track);
+  for (Track& track : tracks) track.log_odds = log_odds_of(o, track, {}).ball_against_rhythm;
   // the surest first: what its earlier impacts are, no other track may claim
   std::stable_sort(tracks.begin(), tracks.end(),
                    [](const Track& a, const Track& b) { return a.log_odds > b.log_odds; });
@@ -191,7 +204,7 @@ std::vector<Track> rescored(const Observations& o, std::vector<Track> tracks) {
     }
     if (!is_free) continue;
     re_estimate_start(o, first_free, track);
-    track.log_odds = log_odds_of(o, track);
+    track.log_odds = log_odds_of(o, track, {}).ball_against_rhythm;
     kept.push_back(std::move(track));
   }
   std::sort(kept.begin(), kept.end(), ends_before);
@@ -244,7 +257,8 @@ using Step = Hypothesis::Step;
 /// The hypotheses about one track. Log weights are those against the track.
 class Alternatives {
  public:
-  Alternatives(const Observations& o, const Track& track) : o_(o), own_(own_sounds(o, track)) {
+  Alternatives(const Observations& o, const Track& track, const std::vector<std::size_t>& by_others)
+      : o_(o), by_others_(by_others), own_(own_sounds(o, track, by_others)) {
     for (const TrackImpact& impact : track.impacts) number_.push_back(impact.impact);
     up_to_.reserve(number_.size());
     up_to_.push_back(begun(0, 1));
@@ -277,6 +291,7 @@ class Alternatives {
     const std::size_t own = own_.candidates[n];
     double sum = 0.0;
     const auto take = [&](std::size_t k) {
+      if (std::binary_search(by_others_.begin(), by_others_.end(), k)) return;
       if (std::abs(c[k].t_s - c[own].t_s) > std::max({c[k].reach_s, c[own].reach_s, kTracking.same_sound_s}))
         sum += weight(replaced(n, k));
     };
@@ -356,6 +371,7 @@ class Alternatives {
   }
 
   const Observations& o_;
+  const std::vector<std::size_t>& by_others_;
   OwnSounds own_;
   std::vector<std::int64_t> number_;  ///< of each impact in the track
   std::vector<Hypothesis> up_to_;     ///< from the second impact on
@@ -363,8 +379,8 @@ class Alternatives {
 
 }  // namespace
 
-void set_impact_probabilities(const Observations& o, Track& track) {
-  const Alternatives alternatives(o, track);
+void set_impact_probabilities(const Observations& o, Track& track, const std::vector<std::size_t>& by_others) {
+  const Alternatives alternatives(o, track, by_others);
   const std::size_t size = track.impacts.size();
   if (!alternatives.is_whole()) return;
   std::vector<double> ended(size, 0.0), begun(size, 0.0);  // weights of the track that ends before, or begins at, each

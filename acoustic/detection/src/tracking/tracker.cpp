@@ -2,6 +2,7 @@
 #include "tracking/tracker.hpp"
 
 #include <algorithm>
+#include <span>
 #include <utility>
 
 #include "bouncelab/core/elementary.hpp"
@@ -13,8 +14,8 @@ namespace bouncelab::detection {
 namespace {
 
 // limits of the search: what they leave out is no more probable than what is kept but by so much
-constexpr std::size_t kBeam = 8;       // hypotheses that end at one candidate
-constexpr double kBeamDepth = 10.0;    // log odds below the best of them
+constexpr std::size_t kBeam = 4;       // hypotheses that end at one candidate
+constexpr double kBeamDepth = 7.0;     // log odds below the best of them
 constexpr double kHopeless = -8.0;     // log odds below which a hypothesis is not followed
 constexpr double kMostOfSecond = 2.0;  // log odds that the second impact adds at most
 // log odds that a track may have lost because its own sounds, those to come above all, were counted as clutter
@@ -68,7 +69,7 @@ class Beam {
 
  private:
   void narrow() {
-    const auto last = proposals_.begin() + (kBeam - 1);
+    const auto last = proposals_.begin() + static_cast<std::ptrdiff_t>(kBeam - 1);
     std::nth_element(proposals_.begin(), last, proposals_.end(),
                      [](const Proposal& a, const Proposal& b) { return a.total() > b.total(); });
     least_total_ = std::max(least_total_, last->total());
@@ -81,8 +82,18 @@ class Beam {
 
 class Search {
  public:
-  explicit Search(const Observations& observations)
-      : o_(observations), reached_s_(o_.size(), -INFINITY), states_(o_.size()), best_(o_.size() + 1) {}
+  /// @param offered       observations of the recording, rising; of `observations` or with others explained
+  /// @param candidates    of each of them; none = all of the recording
+  /// @param with_rhythms  which compete with balls
+  Search(const Observations& observations, std::span<const Observation> offered, std::vector<std::size_t> candidates,
+         bool with_rhythms)
+      : same_source_(observations),
+        o_(offered),
+        candidates_(std::move(candidates)),
+        with_rhythms_(with_rhythms),
+        reached_s_(o_.size(), -INFINITY),
+        states_(o_.size()),
+        best_(o_.size() + 1) {}
 
   std::vector<Track> run() {
     for (std::size_t k = 0; k < o_.size(); ++k) visit(k);
@@ -138,7 +149,7 @@ class Search {
   /// Most steps are improbable whatever their sounds' source, which takes longer to compare.
   template <class StepOf>
   std::optional<Hypothesis::Step> step_from(std::size_t j, std::size_t k, const StepOf& step_of) const {
-    return step_of(1.0) ? step_of(o_.same_source(j, k)) : std::nullopt;
+    return step_of(1.0) ? step_of(same_source_.same_source(candidate(j), candidate(k))) : std::nullopt;
   }
 
   void finish(std::size_t k) {
@@ -147,7 +158,7 @@ class Search {
       const State& s = states_[k].emplace_back(state_of(p, k));
       if (s.track.n_impacts < kFewestImpacts) continue;
       const double ball = s.track.log_odds_of_losing_ball();
-      const double most = std::max(ball, s.track.log_odds_of_rhythm());
+      const double most = with_rhythms_ ? std::max(ball, s.track.log_odds_of_rhythm()) : ball;
       // of the track, or none: what is improbable yet may be a track when its own sounds are no longer its clutter
       if (most + kOwnClutter <= 0.0) continue;
       const double score = s.start_score + log_of_sum(0.0, most);
@@ -179,6 +190,7 @@ class Search {
         track.impacts.push_back(impacts_[static_cast<std::size_t>(k)].impact);
       std::reverse(track.impacts.begin(), track.impacts.end());
       const std::size_t first = track.impacts.front().candidate;
+      for (TrackImpact& impact : track.impacts) impact.candidate = candidate(impact.candidate);
       if (end.is_ball) tracks.push_back(std::move(track));
       end = best_[first];
     }
@@ -186,7 +198,12 @@ class Search {
     return tracks;
   }
 
-  const Observations& o_;
+  std::size_t candidate(std::size_t k) const { return candidates_.empty() ? k : candidates_[k]; }
+
+  const Observations& same_source_;
+  std::span<const Observation> o_;
+  std::vector<std::size_t> candidates_;
+  bool with_rhythms_;
   Beam beam_;
   std::size_t oldest_ = 0;                  // candidate from which a track may go on
   std::vector<double> reached_s_;           // until when a state of each candidate may go on
@@ -204,13 +221,28 @@ std::optional<double> eps_at(const std::vector<Candidate>& c, const Track& track
   return (c[impacts[k + 1].candidate].t_s - t_s) / (t_s - c[impacts[k - 1].candidate].t_s);
 }
 
+std::vector<Track> find_balls(const Observations& o, const std::vector<std::size_t>& explained, double begin_s,
+                              double end_s) {
+  std::vector<std::size_t> left;
+  std::vector<Observation> seen;
+  for (std::size_t k = 0; k < o.size(); ++k)
+    if (o[k].t_s >= begin_s && o[k].t_s <= end_s && !std::binary_search(explained.begin(), explained.end(), k)) {
+      left.push_back(k);
+      seen.push_back(o.without(k, explained));
+    }
+  if (left.empty()) return {};
+  return Search(o, seen, std::move(left), false).run();
+}
+
 std::vector<Track> find_tracks(const std::vector<Candidate>& candidates, double timing_s, const SameSource& same_source,
                                double duration_s, std::optional<double> elastic_flight_s) {
   const Observations observations(candidates, timing_s, same_source, duration_s, elastic_flight_s);
-  std::vector<Track> tracks = rescored(observations, Search(observations).run());
+  std::vector<Track> tracks = rescored(observations, Search(observations, observations.all(), {}, true).run());
+  add_balls_at_once(observations, tracks);
   weigh_by_drop_rate(candidates, tracks);
   std::erase_if(tracks, [](const Track& track) { return track.log_odds < kAcceptance; });
-  for (Track& track : tracks) set_impact_probabilities(observations, track);
+  for (std::size_t t = 0; t < tracks.size(); ++t)
+    set_impact_probabilities(observations, tracks[t], explained_by_others(observations, tracks, t));
   return tracks;
 }
 

@@ -46,10 +46,37 @@ std::vector<Track> find_tracks(const std::vector<Candidate>& candidates, double 
                                const SameSource& same_source = {}, double duration_s = HUGE_VAL,
                                std::optional<double> elastic_flight_s = {});
 
+/// The likeliest balls one after the other in time, among the sounds of a stretch of time that are not explained.
+/// @param explained  indices of candidates, rising
+std::vector<Track> find_balls(const Observations& observations, const std::vector<std::size_t>& explained,
+                              double begin_s = -HUGE_VAL, double end_s = HUGE_VAL);
+
+/// A track's own sounds and their echoes: chance need not offer them. @return indices, rising
+std::vector<std::size_t> explained_by(const Observations& observations, const Track& track);
+/// What all tracks explain but one. @return indices, rising
+std::vector<std::size_t> explained_by_others(const Observations& observations, const std::vector<Track>& tracks,
+                                             std::size_t but);
+
+/// Those in either, rising.
+std::vector<std::size_t> united(const std::vector<std::size_t>& a, const std::vector<std::size_t>& b);
+
+/// Log odds of a track against clutter, and against rhythms of the same sounds too, where what it and others explain
+/// does not compete with its sounds.
+struct LogOdds {
+  double ball = -HUGE_VAL, ball_against_rhythm = -HUGE_VAL;
+};
+LogOdds log_odds_of(const Observations& observations, const Track& track, const std::vector<std::size_t>& by_others);
+
 /// The tracks once more, now that the balls are known: which observation each begins with, and its log odds with its
 /// own sounds and their echoes not counted as clutter. What a surer track has claimed since is no other's.
 /// @param tracks  one after the other in time
 std::vector<Track> rescored(const Observations& observations, std::vector<Track> tracks);
+
+/// Puts balls that bounce at the same time in the place of tracks that hold sounds of several. Each is searched among
+/// the sounds that the others leave, in turns, until none changes. They are taken where together they are more probable
+/// than one ball, than the tracks that there are, and than a rhythm of all their sounds.
+/// @param tracks  one after the other in time; then in the order of their first impacts
+void add_balls_at_once(const Observations& observations, std::vector<Track>& tracks);
 
 /// Weighs tracks by how often balls are dropped in their recording, which is not known: the rate lies between about one
 /// drop in the whole recording and TrackingModel::start_log_odds, every order of magnitude as probable as another
@@ -69,7 +96,9 @@ void weigh_by_drop_rate(const std::vector<Candidate>& candidates, std::vector<Tr
 /// - ended before it; begun after it.
 ///
 ///   p = sum of the weights of those with the impact / sum of all weights
-void set_impact_probabilities(const Observations& observations, Track& track);
+/// @param by_others  candidates that other tracks explain, indices, rising
+void set_impact_probabilities(const Observations& observations, Track& track,
+                              const std::vector<std::size_t>& by_others = {});
 
 /// Probability of an impact found where its track predicts one, from its significance. There either is an impact, whose
 /// log likelihood ratio may be any, or the largest of n_places squared normals is taken for one, odds of exp(LLR) /

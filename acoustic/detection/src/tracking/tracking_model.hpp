@@ -49,7 +49,9 @@ struct TrackingModel {
   double as_loud = 0.5;       ///< of its sounds' amplitudes, from which a sound is like them
   double row_flights = 1.25;  ///< before the first and after the last impact, where a row of other sounds would go on
   double echo_s = 40e-3;      ///< after an impact: what is fainter then is taken for its echo
-  double echo_of_flight = 0.15;  ///< at most: where a flight is short, what follows may be anything
+  double same_echo_s = 3e-3;  ///< by which the delays of a row of echoes differ at most
+  double rattle_log_odds = -2.0;  ///< of a plate that rattles after a ball's impacts
+  double echo_of_flight = 0.15;   ///< at most: where a flight is short, what follows may be anything
 
   /// Log odds by which a lower band must win: one ball in twelve is heard in it only, and the best of three is chosen.
   double lower_band = 2.5;

@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Balls that bounce at the same time.
+//
+//   for each ball A that could be dropped if there were no rhythms, the longest first:
+//     balls = {A}
+//     repeat: B = the longest ball in the sounds that `balls` leave over, and at the same time
+//             search A, B ... anew, each in the sounds that the others leave over, until none changes
+//             keep B if all together are more probable than one ball, one rhythm, or the tracks found one by one,
+//             and B is neither an echo of A nor the rattling of a loose plate
+//     if there are several: they take the place of the tracks found one by one
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "bouncelab/core/elementary.hpp"
+#include "bouncelab/core/numerics.hpp"
+#include "tracking/hypothesis.hpp"
+#include "tracking/tracker.hpp"
+#include "tracking/tracking_model.hpp"
+
+namespace bouncelab::detection {
+namespace {
+
+constexpr std::size_t kFewestAtOnce = 4;  // impacts of each of several balls
+constexpr std::size_t kMostAtOnce = 8;    // balls
+constexpr int kMostTurns = 4;             // of the search for each ball with the others explained
+
+double begin_s(const Observations& o, const Track& track) { return o[track.impacts.front().candidate].t_s; }
+double end_s(const Observations& o, const Track& track) { return o[track.impacts.back().candidate].t_s; }
+
+bool is_any_during(const Observations& o, const std::vector<Track>& tracks, const Track& other) {
+  return std::any_of(tracks.begin(), tracks.end(), [&](const Track& track) {
+    return begin_s(o, track) <= end_s(o, other) && begin_s(o, other) <= end_s(o, track);
+  });
+}
+
+bool have_same_impacts(const Track& a, const Track& b) {
+  return std::equal(a.impacts.begin(), a.impacts.end(), b.impacts.begin(), b.impacts.end(),
+                    [](const TrackImpact& x, const TrackImpact& y) { return x.candidate == y.candidate; });
+}
+
+std::vector<std::size_t> explained_by_all(const Observations& o, const std::vector<Track>& tracks) {
+  return explained_by_others(o, tracks, tracks.size());
+}
+
+/// The longest ball that bounces while one of the others does.
+/// @param explained  sounds that are not its impacts
+std::optional<Track> ball_beside(const Observations& o, const std::vector<std::size_t>& explained,
+                                 const std::vector<Track>& others) {
+  double first_s = HUGE_VAL, last_s = -HUGE_VAL;
+  for (const Track& other : others) {
+    first_s = std::min(first_s, begin_s(o, other));
+    last_s = std::max(last_s, end_s(o, other));
+  }
+  std::optional<Track> longest;
+  std::size_t most = kFewestAtOnce - 1;
+  for (Track& track : find_balls(o, explained, first_s - kLargestReach_s, last_s + kLargestReach_s)) {
+    if (track.impacts.size() <= most || !is_any_during(o, others, track)) continue;
+    most = track.impacts.size();
+    longest = std::move(track);
+  }
+  return longest;
+}
+
+/// Searches each anew in the sounds that the others leave over, until none changes.
+/// @return false where one is lost
+bool settle(const Observations& o, std::vector<Track>& balls) {
+  bool has_changed = true;
+  for (int turn = 0; turn < kMostTurns && has_changed; ++turn) {
+    has_changed = false;
+    for (std::size_t b = 0; b < balls.size(); ++b) {
+      std::vector<Track> others = balls;
+      others.erase(others.begin() + static_cast<std::ptrdiff_t>(b));
+      std::optional<Track> anew = ball_beside(o, explained_by_all(o, others), others);
+      if (!anew) return false;
+      has_changed = has_changed || !have_same_impacts(*anew, balls[b]);
+      balls[b] = std::move(*anew);
+    }
+  }
+  return true;
+}
+
+/// A sound of one track that comes after an impact of another.
+struct Follower {
+  std::size_t candidate = 0;
+  double after_s = 0.0;    ///< the impact
+  double flight_s = 0.0;   ///< of the ball after the impact
+  double log_ratio = 0.0;  ///< of the amplitudes
+};
+
+/// The sounds of a track that come after an impact of another one and before its next impact; after its last impact, as
+/// long as its last flight took.
+std::vector<Follower> followers_of(const Observations& o, const Track& of, const Track& track) {
+  std::vector<Follower> followers;
+  for (const TrackImpact& impact : track.impacts) {
+    const Observation& sound = o[impact.candidate];
+    std::size_t k = of.impacts.size();
+    while (k > 0 && o[of.impacts[k - 1].candidate].t_s >= sound.t_s) --k;
+    if (k == 0) continue;
+    const Observation& before = o[of.impacts[k - 1].candidate];
+    const bool is_last = k == of.impacts.size();
+    const double flight_s =
+        is_last ? before.t_s - o[of.impacts[k - 2].candidate].t_s : o[of.impacts[k].candidate].t_s - before.t_s;
+    if (sound.t_s - before.t_s > flight_s) continue;
+    followers.push_back(
+        {impact.candidate, sound.t_s - before.t_s, flight_s, sound.log_amplitude - before.log_amplitude});
+  }
+  return followers;
+}
+
+/// Whether sounds of one track follow those of another by the same short time, half as many as the shorter one has.
+bool is_echo(std::size_t n_of_shorter, const std::vector<Follower>& followers) {
+  if (followers.empty()) return false;
+  std::vector<double> log_ratio;
+  for (const Follower& f : followers) log_ratio.push_back(f.log_ratio);
+  // a faint one may come from farther away
+  const double most_s = upper_median(std::move(log_ratio)) < log(0.5) ? 3.0 * kTracking.echo_s : kTracking.echo_s;
+  return std::any_of(followers.begin(), followers.end(), [&](const Follower& middle) {
+    const auto n_near = std::count_if(followers.begin(), followers.end(), [&](const Follower& f) {
+      return std::abs(f.after_s - middle.after_s) < kTracking.same_echo_s;
+    });
+    return middle.after_s < most_s && 2 * static_cast<std::size_t>(n_near) >= n_of_shorter;
+  });
+}
+
+/// Log odds against clutter that the impacts set off these sounds: rattles of a loose plate. They come after a part of
+/// the flight that is distributed exponentially, of any mean, and are louder or fainter than the impacts by one factor
+/// that scatters as loudness does.
+/// @param explained  by the track that they are of, and by all others
+double log_odds_of_rattling(const Observations& o, const std::vector<Follower>& followers,
+                            const std::vector<std::size_t>& explained) {
+  if (followers.empty()) return -HUGE_VAL;
+  double mean_log_ratio = 0.0;
+  for (const Follower& f : followers) mean_log_ratio += f.log_ratio / static_cast<double>(followers.size());
+  double of_amplitudes = 0.0;
+  for (const Follower& f : followers)
+    of_amplitudes += log(student3(f.log_ratio - mean_log_ratio, kTracking.loudness_scatter) /
+                         clutter_intensity(o.without(f.candidate, explained).neighbours, f.flight_s));
+  double of_times = -HUGE_VAL;
+  for (const double mean_part : {0.05, 0.1, 0.2, 0.4}) {
+    double sum = 0.0;
+    for (const Follower& f : followers) sum -= f.after_s / (mean_part * f.flight_s) + log(mean_part * f.flight_s);
+    of_times = std::max(of_times, sum);
+  }
+  return kTracking.rattle_log_odds + of_amplitudes + of_times;
+}
+
+/// Log odds against clutter of a rhythm of all these sounds.
+double log_odds_of_rhythm(const Observations& o, const std::vector<Track>& tracks,
+                          const std::vector<std::size_t>& explained) {
+  std::vector<std::size_t> own;
+  for (const Track& track : tracks)
+    for (const TrackImpact& impact : track.impacts) own.push_back(impact.candidate);
+  std::sort(own.begin(), own.end());
+  std::vector<Observation> sounds;
+  for (const std::size_t k : own) sounds.push_back(o.without(k, explained));
+  const auto interval_s = [&](std::size_t n) { return std::max(kShortestFlight_s, sounds[n].t_s - sounds[n - 1].t_s); };
+  Rhythm rhythm(log(interval_s(1)), 0.5 * (sounds[0].log_amplitude + sounds[1].log_amplitude));
+  std::array<double, kRhythmKinds> sum{};
+  sum.fill(sounds[0].log_odds_of_first);
+  double most = -HUGE_VAL;
+  for (std::size_t n = 2; n < sounds.size(); ++n) {
+    const Observation& next = sounds[n];
+    const auto densities = rhythm.follow(interval_s(n), next.log_amplitude, hypot(next.sigma_s, sounds[n - 1].sigma_s));
+    for (std::size_t kind = 0; kind < kRhythmKinds; ++kind) {
+      sum[kind] += next.log_rise_odds + log(densities[kind] / clutter_intensity(next.neighbours, interval_s(n)));
+      most = std::max(most, sum[kind]);
+    }
+  }
+  return most + kTracking.rhythm_log_odds - kTracking.start_log_odds;
+}
+
+/// Sets the log odds of balls at once: each against chance and rhythms, and all together against what else their sounds
+/// may be.
+/// @param tracks  found one by one
+/// @return whether all are more probable than not
+bool are_probable(const Observations& o, const std::vector<Track>& tracks, std::vector<Track>& balls) {
+  const std::vector<std::size_t> explained = explained_by_all(o, balls);
+  double together = 0.0, one = 0.0, one_by_one = 0.0;
+  for (std::size_t b = 0; b < balls.size(); ++b) {
+    const LogOdds odds = log_odds_of(o, balls[b], explained_by_others(o, balls, b));
+    for (const Track& other : balls) {
+      if (&other == &balls[b]) continue;
+      const std::vector<Follower> followers = followers_of(o, other, balls[b]);
+      const std::size_t n_of_shorter = std::min(other.impacts.size(), balls[b].impacts.size());
+      if (is_echo(n_of_shorter, followers) || log_odds_of_rattling(o, followers, explained) > odds.ball) return false;
+    }
+    balls[b].log_odds = odds.ball_against_rhythm;
+    together += odds.ball;
+    one = std::max(one, log_odds_of(o, balls[b], {}).ball);
+  }
+  for (const Track& track : tracks)
+    if (is_any_during(o, balls, track)) one_by_one += std::max(0.0, log_odds_of(o, track, {}).ball);
+  const double against = log_of_sum(std::max(one, one_by_one), log_odds_of_rhythm(o, balls, explained));
+  for (Track& ball : balls) ball.log_odds = std::min(ball.log_odds, together - against);
+  return std::all_of(balls.begin(), balls.end(), [](const Track& ball) { return ball.log_odds > 0.0; });
+}
+
+/// Balls at the same time as this one, and this one.
+std::vector<Track> balls_with(const Observations& o, const std::vector<Track>& tracks, Track first) {
+  std::vector<Track> balls{std::move(first)};
+  while (balls.size() < kMostAtOnce) {
+    const std::vector<std::size_t> explained = explained_by_all(o, balls);
+    std::optional<Track> another = ball_beside(o, explained, balls);
+    if (!another || log_odds_of(o, *another, explained).ball < 0.0) break;
+    std::vector<Track> more = balls;
+    more.push_back(std::move(*another));
+    if (!settle(o, more) || !are_probable(o, tracks, more)) break;
+    balls = std::move(more);
+  }
+  return balls;
+}
+
+}  // namespace
+
+void add_balls_at_once(const Observations& o, std::vector<Track>& tracks) {
+  std::vector<Track> proposals = find_balls(o, {});
+  std::stable_sort(proposals.begin(), proposals.end(),
+                   [](const Track& a, const Track& b) { return a.impacts.size() > b.impacts.size(); });
+  for (Track& proposal : proposals) {
+    if (proposal.impacts.size() < kFewestAtOnce || log_odds_of(o, proposal, {}).ball < 0.0) continue;
+    std::vector<Track> balls = balls_with(o, tracks, std::move(proposal));
+    if (balls.size() == 1) continue;
+    std::erase_if(tracks, [&](const Track& track) { return is_any_during(o, balls, track); });
+    std::move(balls.begin(), balls.end(), std::back_inserter(tracks));
+  }
+  std::sort(tracks.begin(), tracks.end(),
+            [](const Track& a, const Track& b) { return a.impacts.front().candidate < b.impacts.front().candidate; });
+}
+
+}  // namespace bouncelab::detection
