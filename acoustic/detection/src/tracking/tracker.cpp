@@ -14,8 +14,12 @@ namespace bouncelab::detection {
 namespace {
 
 // limits of the search: what they leave out is no more probable than what is kept but by so much
-constexpr std::size_t kBeam = 4;       // hypotheses that end at one candidate
-constexpr double kBeamDepth = 7.0;     // log odds below the best of them
+struct Width {
+  std::size_t n_states = 8;  // that end at one candidate
+  double depth = 8.0;        // log odds below the best of them
+};
+constexpr Width kOfAll{8, 8.0};
+constexpr Width kOfBalls{4, 7.0};      // without rhythms far more states are followed; what is found is searched again
 constexpr double kHopeless = -8.0;     // log odds below which a hypothesis is not followed
 constexpr double kMostOfSecond = 2.0;  // log odds that the second impact adds at most
 // log odds that a track may have lost because its own sounds, those to come above all, were counted as clutter
@@ -42,9 +46,11 @@ struct Proposal {
 /// The most probable of the states that end at one candidate.
 class Beam {
  public:
+  explicit Beam(const Width& width) : width_(width) {}
+
   /// @param total  of the recording without a track that ends here
   void begin(double total) {
-    least_total_ = total - kBeamDepth;
+    least_total_ = total - width_.depth;
     proposals_.clear();
   }
 
@@ -53,14 +59,14 @@ class Beam {
 
   void keep(const Proposal& p) {
     if (p.step.log_odds < kHopeless || p.total() < least_total_) return;
-    least_total_ = std::max(least_total_, p.total() - kBeamDepth);
+    least_total_ = std::max(least_total_, p.total() - width_.depth);
     proposals_.push_back(p);
-    if (proposals_.size() >= 2 * kBeam) narrow();
+    if (proposals_.size() >= 2 * width_.n_states) narrow();
   }
 
   /// By falling flight.
   const std::vector<Proposal>& finish() {
-    if (proposals_.size() > kBeam) narrow();
+    if (proposals_.size() > width_.n_states) narrow();
     std::erase_if(proposals_, [&](const Proposal& p) { return p.total() < least_total_; });
     std::sort(proposals_.begin(), proposals_.end(),
               [](const Proposal& a, const Proposal& b) { return a.step.flight_s > b.step.flight_s; });
@@ -69,13 +75,14 @@ class Beam {
 
  private:
   void narrow() {
-    const auto last = proposals_.begin() + static_cast<std::ptrdiff_t>(kBeam - 1);
+    const auto last = proposals_.begin() + static_cast<std::ptrdiff_t>(width_.n_states - 1);
     std::nth_element(proposals_.begin(), last, proposals_.end(),
                      [](const Proposal& a, const Proposal& b) { return a.total() > b.total(); });
     least_total_ = std::max(least_total_, last->total());
     proposals_.erase(last + 1, proposals_.end());
   }
 
+  Width width_;
   double least_total_ = 0.0;
   std::vector<Proposal> proposals_;
 };
@@ -91,6 +98,7 @@ class Search {
         o_(offered),
         candidates_(std::move(candidates)),
         with_rhythms_(with_rhythms),
+        beam_(with_rhythms ? kOfAll : kOfBalls),
         reached_s_(o_.size(), -INFINITY),
         states_(o_.size()),
         best_(o_.size() + 1) {}
