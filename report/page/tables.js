@@ -53,17 +53,15 @@ function constantsTable() {
     add('p', {class: 'caption'}, why);
     return;
   }
-  const byDrop = named.some(([, e]) => known(e.se_independent)), boot = named.some(([, e]) => e.bootstrap);
+  const byDrop = named.some(([, e]) => known(e.se_independent));
   const ofLoop = Object.fromEntries(((summary && summary.constants) || []).map(c => [c.name, c])), afterLoop = named.some(([name]) => ofLoop[name]);
   const beside = (name, e) => {
     const {truth, from_true_times: a} = ofLoop[name] || {};
     return [number(truth, 6), a ? measured(a.value, a.se) : '–', pull(e.value, e.se, truth)];
   };
   const rows = named.map(([name, e]) => [name, measured(e.value, e.se), interval(e.ci95), ...(afterLoop ? beside(name, e) : []),
-                                         ...(byDrop ? [known(e.se_independent) ? e.se_independent.toPrecision(2) : '–'] : []),
-                                         ...(boot ? [e.bootstrap ? e.bootstrap.se.toPrecision(2) : '–', interval((e.bootstrap || {}).ci95)] : [])]);
-  table('Constants of the law', ['quantity', 'value ± standard error', '95% interval', ...(afterLoop ? ['truth', 'from true times', 'pull'] : []), ...(byDrop ? ['error if impacts were independent'] : []),
-                                 ...(boot ? ['bootstrap error', 'bootstrap 95%'] : [])], rows,
+                                         ...(byDrop ? [known(e.se_independent) ? e.se_independent.toPrecision(2) : '–'] : [])]);
+  table('Constants of the law', ['quantity', 'value ± standard error', '95% interval', ...(afterLoop ? ['truth', 'from true times', 'pull'] : []), ...(byDrop ? ['error if impacts were independent'] : [])], rows,
         `ε(v) = 1 + Σ Cᵢ Aᵢ v^(i/10), v in m/s; C₂ = −1.153449, C₄ = 0.798267, C₅ = 4/15. Maximum likelihood${withMemory ? ' of each impact given the earlier ones of its drop (with memory)' : ', the scatter as two exponentials, one to either side, with a normal part; the law is its peak'}. ${why}`.trim());
   const quality = [], good = fit.goodness || {}, covariance = constants.covariance || [];
   covariance.forEach((row, i) => row.forEach((c, j) => i < j && quality.push(`correlation ${constants.parameters[i]} ${constants.parameters[j]} ${number(c / Math.sqrt(covariance[i][i] * covariance[j][j]), 4)}`)));

@@ -21,7 +21,6 @@ constexpr std::pair<Flag, std::string_view> kFlagNames[]{{Flag::by_hand, "by_han
                                                          {Flag::improbable, "improbable"},
                                                          {Flag::inferred, "inferred"},
                                                          {Flag::missing_impact, "missing_impact"},
-                                                         {Flag::no_position, "no_position"},
                                                          {Flag::not_finite, "not_finite"},
                                                          {Flag::overlap, "overlap"}};
 

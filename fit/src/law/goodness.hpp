@@ -44,13 +44,4 @@ double anderson_darling(std::vector<double> u);
 AndersonDarling anderson_darling_test(const LawLikelihood& likelihood, const Maximum& maximum, std::size_t n_replicates,
                                       std::uint64_t seed);
 
-/// The law's coordinates q from drops drawn with replacement, as many as there are: what one would find in repetitions
-/// of the experiment, whatever goes on within a drop. Replicates whose search fails are left out. Empty for fewer than
-/// 8 drops.
-std::vector<Eigen::VectorXd> bootstrap_by_drop(const LawLikelihood& likelihood, const Maximum& maximum,
-                                               std::size_t n_replicates, std::uint64_t seed);
-
-/// Standard deviation and percentile intervals. @param values  at least 2
-BootstrapErrors bootstrap_errors(std::vector<double> values);
-
 }  // namespace bouncelab::fit

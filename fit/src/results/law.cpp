@@ -7,14 +7,6 @@ namespace bouncelab::fit {
 
 Value as_value(const Interval& interval) { return std::vector<double>{interval.lo, interval.hi}; }
 
-Description members_of(const BootstrapErrors*) {
-  using B = BootstrapErrors;
-  static constexpr Member all[]{
-      member<&B::se>("se", "Standard deviation of the replicates"), member<&B::ci68>("ci68", "Their percentiles"),
-      member<&B::ci95>("ci95", "Their percentiles"), member<&B::n_replicates>("n_replicates", "How many")};
-  return all;
-}
-
 Description members_of(const DropCount*) {
   static constexpr Member all[]{
       member<&DropCount::n>("n", "Number of drops"),
@@ -34,8 +26,6 @@ Description members_of(const Estimate*) {
           "Where `se` is by drop or by sample: from the expected Fisher information, if samples were independent")
           .left_out_where_unknown(),
       member<&E::ci95>("ci95", "`[lo, hi]`, 95 % confidence interval, of the same kind as `se`"),
-      member<&E::bootstrap>("bootstrap", "`{se, ci68, ci95, n_replicates}` by drop, with `--bootstrap`")
-          .left_out_where_unknown(),
       computed(
           "identified", [](const E& e) { return e.identified ? std::nullopt : std::optional(false); },
           "`false` where these data do not determine it, else not there")

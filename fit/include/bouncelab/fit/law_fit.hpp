@@ -31,7 +31,6 @@ struct LawFitConfig {
   /// BIC (AIC takes 6 too often: at 20,000 samples under noise 95 % intervals of A then cover 92.5 %).
   std::size_t n_scatter_terms = 0;
   std::size_t n_goodness = 0;   ///< replicates of the Anderson-Darling test, from 100 samples on; 0: none
-  std::size_t n_bootstrap = 0;  ///< replicates of the bootstrap by drop; 0: none
   bool compare_laws = false;    ///< fill LawFit::comparison
   std::uint64_t seed = 1;       ///< of the replicates
   /// Speeds at which eps(v) is reported [m/s]; empty: below which 10, 50 and 90 % of the speeds lie.
