@@ -42,13 +42,6 @@ Description members_of(const StandardDeviation*) {
   return all;
 }
 
-Description members_of(const ChiSquareTest*) {
-  static constexpr Member all[]{member<&ChiSquareTest::chi2>("chi2", "χ²"),
-                                member<&ChiSquareTest::ndf>("ndf", "Its degrees of freedom"),
-                                member<&ChiSquareTest::p_value>("p_value", "Its p")};
-  return all;
-}
-
 Description members_of(const Drift*) {
   using D = Drift;
   static constexpr Member all[]{computed(

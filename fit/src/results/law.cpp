@@ -265,8 +265,7 @@ namespace {
 Object goodness_of(const FitResult& result) {
   const LawFit& law = result.law;
   Object goodness;
-  if (law.chi2)
-    goodness = {{"chi2", value_of(law.chi2)}, {"ndf", value_of(law.ndf)}, {"p_value", value_of(law.p_value)}};
+  if (law.pearson) goodness = object_of(*law.pearson);
   if (law.anderson_darling) goodness.emplace_back("anderson_darling", value_of(*law.anderson_darling));
   return goodness;
 }

@@ -63,6 +63,12 @@ struct Estimate {
 };
 Description members_of(const Estimate*);
 
+/// Of a sum of squares that is chi-square if what is tested holds.
+struct ChiSquareTest {
+  double chi2 = 0.0, ndf = 0.0, p_value = 1.0;  ///< p: probability of a larger chi2
+};
+Description members_of(const ChiSquareTest*);
+
 struct NamedEstimate {
   std::string name;
   Estimate estimate;
