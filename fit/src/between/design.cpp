@@ -26,15 +26,9 @@ struct OwnLaw {
 
 OwnLaw own_law(const RecordingSummary& summary) {
   const auto n = static_cast<Eigen::Index>(summary.n_nodes);
-  OwnLaw own{{summary.v_mps.begin(), summary.v_mps.begin() + n}, Eigen::VectorXd(n), {}};
-  Eigen::MatrixXd covariance(n, n);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    own.y[i] = summary.eps[k] - 1.0;
-    for (Eigen::Index j = 0; j < n; ++j) covariance(i, j) = summary.covariance[k][static_cast<std::size_t>(j)];
-  }
-  own.covariance = cholesky(covariance).value();  // summarize_recording() has seen to it
-  return own;
+  return {{summary.v_mps.begin(), summary.v_mps.begin() + n},
+          Eigen::Map<const Eigen::Vector3d>(summary.eps.data()).head(n).array() - 1.0,
+          cholesky(covariance_of(summary)).value()};  // summarize_recording() has seen to it
 }
 
 /// Least eigenvalue of a matrix scaled to a unit diagonal, and how many are not zero.

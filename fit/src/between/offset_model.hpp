@@ -49,6 +49,12 @@ struct OffsetData {
   }
 };
 
+/// Of a recording's values.
+inline Eigen::MatrixXd covariance_of(const RecordingSummary& summary) {
+  const auto n = static_cast<Eigen::Index>(summary.n_nodes);
+  return Eigen::Map<const Eigen::Matrix3d>(summary.covariance.front().data()).topLeftCorner(n, n);
+}
+
 /// Standard deviations of the random effects: between recordings, and between the levels of the groupings.
 using Deviations = std::array<double, 3>;
 

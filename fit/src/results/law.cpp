@@ -142,10 +142,11 @@ Description members_of(const RecordingFit*) {
   using R = RecordingFit;
   static constexpr Member all[]{
       member<&R::recording>("recording", "Its name"),
-      member<&R::status>("status", "How its fit ended"),
-      member<&R::kind>("law", "`series`, `viscoelastic` or `constant`"),
-      member<&R::n>("n", "Samples fitted"),
-      member<&R::n_outliers>("n_outliers", "Samples left out as lost bounces"),
+      member<&R::law, &LawFit::status>("status", "How its fit ended"),
+      member<&R::law, &LawFit::kind>("law", "`series`, `viscoelastic` or `constant`"),
+      member<&R::law, &LawFit::n>("n", "Samples fitted"),
+      computed(
+          "n_outliers", [](const R& r) { return r.law.outliers.size(); }, "Samples left out as lost bounces"),
       member<&R::n_drops>("n_drops", "Its drops"),
       member<&R::v_lo_mps>("v_lo_mps", "Its speeds"),
       member<&R::v_hi_mps>("v_hi_mps", "Likewise"),
@@ -153,11 +154,11 @@ Description members_of(const RecordingFit*) {
           "offset",
           "`null`, or an estimate of how far its ε is off the common curve, the mean over all samples being 0 (its "
           "standard error takes curve, scatter and independence as given)"),
-      member<&R::nodes>(
+      member<&R::law, &LawFit::nodes>(
           "nodes",
           "ε of its law, the peak: at the nodes that lie within this recording's speeds, else at its median "
           "speed"),
-      estimates_by_name<R>()};
+      estimates_by_name<&R::law, &LawFit::parameters>()};
   return all;
 }
 
@@ -233,7 +234,7 @@ Description members_of(const Constants*) {
   static constexpr Member all[]{
       member<&C::status>("status", "How their fit ended; `not_applicable` where the law does not describe the samples"),
       member<&C::with_memory>("with_memory", "By the fit with memory; else impacts are taken as independent"),
-      estimates_by_name<C>(), member<&C::covariance>("covariance", "Matrix by rows"),
+      estimates_by_name<&C::parameters>(), member<&C::covariance>("covariance", "Matrix by rows"),
       member<&C::gamma>("gamma",
                         "γ of a viscoelastic sphere, an estimate, impacts taken as independent; `null` where none "
                         "describes the samples")};

@@ -121,9 +121,10 @@ Description members_of(const ErrorBudget*) {
           "width_law", [](const B& b) { return as_columns(b.width_law, "v_mps", "spread"); },
           "`{v_mps, spread}` at both ends"),
       computed(
-          "ball", [](const B& b) { return text_of_ball(b.ball); }, "That the shifts are for; `null`: not named"),
+          "ball", [](const B& b) { return b.ball ? std::optional(to_text(*b.ball)) : std::nullopt; },
+          "That the shifts are for; `null`: not named"),
       computed(
-          "plate", [](const B& b) { return text_of_ball(b.plate); }, "Likewise"),
+          "plate", [](const B& b) { return b.plate ? std::optional(plate_text(*b.plate)) : std::nullopt; }, "Likewise"),
       member<&B::rows>("rows", "Bins of speed, see below")};
   return all;
 }
