@@ -44,8 +44,8 @@ struct RecordingFit {
   std::string recording;
   std::size_t n_drops = 0;
   double v_lo_mps = 0.0, v_hi_mps = 0.0;  ///< of its samples
-  LawFit law;                      ///< nodes: the pooled fit's where its speeds reach; else its median speed
-  std::optional<Estimate> offset;  ///< of its eps from the curve of all, mean over all samples 0; by the test
+  LawFit law;                             ///< nodes: the pooled fit's where its speeds reach; else its median speed
+  std::optional<Estimate> offset;         ///< of its eps from the curve of all, mean over all samples 0; by the test
 };
 Description members_of(const RecordingFit*);
 

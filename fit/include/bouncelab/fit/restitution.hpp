@@ -66,12 +66,13 @@ struct Restitution {
 /// absent where one of the three is. Neighbours share onsets: lag one correlates by about -2/3, lag two by +1/6.
 ///
 /// A sample needs three successive impacts. The chain of a drop is broken, there and nowhere else, by an onset
-/// flagged `improbable` or `inferred`, by a `doubtful` one without standard error, and by a jump in the column `impact`. An onset flagged `overlap`, `clipped` or, with a standard error, `doubtful` breaks nothing: the
-/// detector times it with a standard error of its own, which covers all places where a doubtful one may have been.
-/// Where the ratio of two neighbouring intervals leaves the median ratio m of its drop, and the ratio before or after
-/// it, by more than a factor sqrt(1 + m), an impact was missed (or one invented) between them: the factor is half-way,
-/// on a log scale, to what one missing impact does. Such a sample and its neighbours that share the wrong interval stay
-/// in the table, flagged `missing_impact` or `extra_impact`. (Needs at least 5 samples in the drop.)
+/// flagged `improbable` or `inferred`, by a `doubtful` one without standard error, and by a jump in the column
+/// `impact`. An onset flagged `overlap`, `clipped` or, with a standard error, `doubtful` breaks nothing: the detector
+/// times it with a standard error of its own, which covers all places where a doubtful one may have been. Where the
+/// ratio of two neighbouring intervals leaves the median ratio m of its drop, and the ratio before or after it, by more
+/// than a factor sqrt(1 + m), an impact was missed (or one invented) between them: the factor is half-way, on a log
+/// scale, to what one missing impact does. Such a sample and its neighbours that share the wrong interval stay in the
+/// table, flagged `missing_impact` or `extra_impact`. (Needs at least 5 samples in the drop.)
 ///
 /// These are ratios of intervals: what drag and contact time do to them the fit takes into account (at_the_plate).
 /// Nothing is clamped.
