@@ -148,7 +148,10 @@ class Parser {
       if (std::find(names.begin(), names.end(), name) != names.end()) continue;
       for (const auto& [gone, instead] :
            {std::pair{"--robot", "--knocks, --clicks and --speech sound between the drops"},
-            {"--shell", "the shell runs all detectors"}})
+            {"--shell", "the shell runs all detectors"},
+            {"--figures",
+             "each figure's buttons in report.html save and print it; chromium --headless --print-to-pdf "
+             "'report.html#only=slopes' makes a PDF"}})
         if (name == gone) return "'" + name + "' is no option any more; " + instead;
       const std::string nearest = nearest_name(name, names);
       return "unknown option '" + name + "'" + (nearest.empty() ? "" : "; did you mean '" + nearest + "'?");
