@@ -144,7 +144,3 @@ function doubtfulDrops() {
         'They are in the fit. Listen to them; what is no ball can be taken out of onsets.csv.' + (rows.length > most ? ` The first ${most} of ${rows.length}; all are in summary.json.` : ''));
 }
 
-function work() {
-  if (summary && summary.seconds)
-    foldedTable('Where the time went', ['stage', 'seconds'], Object.entries(summary.seconds).map(([stage, s]) => [stage.replace(/_/g, ' '), s.toFixed(2)]));
-}

@@ -144,22 +144,6 @@ std::string limits(const FitResult& r, const std::string& measured) {
   if (std::max(contact, drag) >= 0.01)
     text += formatted(" Of the variance of the answer %.0f %% is ", 100.0 * std::max(contact, drag)) +
             (drag > contact ? "how strongly the air slows the ball." : "how long the ball touches the floor.");
-  const auto shift = [&](std::optional<double> BudgetRow::*member, const char* cause) {
-    const auto& effects = r.budget.effects;
-    if (std::none_of(effects.begin(), effects.end(),
-                     [&](const auto& effect) { return effect.first == cause && effect.second == Effect::corrected; }))
-      return;
-    const auto size = [&](const BudgetRow& b) { return std::abs((b.*member).value_or(0.0)); };
-    const auto worst = std::max_element(r.budget.rows.begin(), r.budget.rows.end(),
-                                        [&](const auto& a, const auto& b) { return size(a) < size(b); });
-    if (size(*worst) > 0.0)
-      text += formatted(" Corrected: %s, %+.1e in ε at %.2g m/s.", cause, *((*worst).*member), worst->v_mps);
-  };
-  const std::size_t before = text.size();
-  shift(&BudgetRow::shift_drag, "air drag");
-  shift(&BudgetRow::shift_contact_time, "contact time");
-  if (text.size() != before)
-    text += " (For " + to_text(*r.budget.ball) + (r.budget.plate ? " on " + plate_text(*r.budget.plate) : "") + ".)";
   return text;
 }
 

@@ -130,7 +130,7 @@ TEST_F(FitCommand, FilesOfTheSameNameOrWithTheSameDropAreRecordingsOfTheirOwn) {
   write("x/s.csv", few + "0.91\n");
   write("y/s.csv", few + "0.92\n");
   const Result result = run("fit x/s.csv y/s.csv --out f.json --force --goodness-replicates 0");
-  EXPECT_THAT(result.err, testing::HasSubstr("drop.wav: several files have a drop of this recording"));
+  EXPECT_THAT(result.err, testing::HasSubstr("y/s.csv: the names of 1 recording are in another file too"));
   EXPECT_EQ(found()["recordings"][1]["recording"], "drop.wav (y/s.csv)");
 }
 

@@ -118,6 +118,9 @@ struct SynthesizeOptions {
 Description members_of(const SynthesizeOptions*);
 Section disturbances_section(SynthesizeOptions& options);
 
+/// @param bits  16, 24, 32 or float
+audio::SampleEncoding encoding_of(const std::string& bits);
+
 /// The recording that the options describe. @throws InvalidArgument
 synthesis::SynthesisConfig synthesis_config(const SynthesizeOptions& options, std::uint64_t seed, int n_threads);
 

@@ -45,7 +45,6 @@ const char* to_string(Severity severity);
   kind(other_conditions) /* recordings, of recordings; which */                 \
   /* what counts once or as several: */                                         \
   kind(repeated_drops) /* bounces; which drops */                               \
-  kind(same_drop_in_files) /* ; the recording */                                \
   kind(renamed_recordings) /* recordings; the file */                           \
   kind(same_content) /* ; the file, and the one that it is the same as */       \
   /* what is left out or missing: */                                            \
@@ -81,7 +80,6 @@ const char* to_string(Severity severity);
   kind(not_a_sphere)                                                            \
   kind(not_converged) /* gain left in log-likelihood */                         \
   kind(not_identifiable) /* impacts; constants with their intervals */          \
-  kind(tied_constants) /* correlation; which */                                 \
   kind(one_speed) /* least, most [m/s] */                                       \
   kind(two_terms) /* samples */                                                 \
   kind(one_constant) /* samples */                                              \

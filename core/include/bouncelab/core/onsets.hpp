@@ -14,7 +14,8 @@
 
 namespace bouncelab {
 
-/// What can be wrong with, or particular to, one impact time or one coefficient of restitution. In alphabetical order.
+/// What can be wrong with, or particular to, one impact time or one coefficient of restitution. In alphabetical
+/// order, as are their words.
 enum class Flag {
   by_hand,         ///< the time was set by a person
   clipped,         ///< the sound is clipped at this impact
