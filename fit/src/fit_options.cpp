@@ -48,8 +48,6 @@ Description members_of(const FitConfig*) {
           "that of a rough ball); auto: memory from 5 drops of 30 impacts on average on")
           .one_of("auto,asymmetric-laplace,memory")
           .set_by(set_method),
-      member<&C::law, &LawFitConfig::n_bootstrap>("bootstrap", "Replicates of the bootstrap by drop, 0 = none")
-          .within(0, 1e5),
       member<&C::n_goodness>(
           "goodness_replicates",
           "Replicates of the Anderson-Darling test, 0 = none; of fewer than 100 samples there is none")
@@ -90,13 +88,6 @@ Description members_of(const RestitutionConfig*) {
       member<&C::wave_speed_mps>("wave_speed",
                                  "Speed of the sound from impact to sensor [m/s]: some 2500 in a plate, 343 in air")
           .within(1.0, 2e4)};
-  return options;
-}
-
-Description members_of(const RoughnessConfig*) {
-  static constexpr Member options[]{
-      member<&RoughnessConfig::n_goodness>("goodness_replicates", "Replicates of the Anderson-Darling test, 0 = none")
-          .within(0, 1e5)};
   return options;
 }
 

@@ -2,7 +2,6 @@
 #include "bouncelab/loop/closed_loop.hpp"
 
 #include <algorithm>
-#include <ctime>
 
 namespace bouncelab::loop {
 namespace {
@@ -76,32 +75,40 @@ void record_and_detect(BallResult& ball, const DropRecording& recording, int n_t
   score(ball);
 }
 
-/// Synthesis and detection are one pass over the drops; the drops' own clocks tell their shares of processor time.
 void sound_by_drop(LoopResult& loop, const LoopConfig& config, const StageProgress& progress) {
-  loop.clock.time("sound", [&] {
-    DropRecording recording = drop_recording(config.synthesis, loop.rough.impacts);
-    recording.folder = config.sound_folder;
-    record_and_detect(loop.rough, recording, config.n_threads, progress);
-    if (config.with_smooth_ball) record_and_detect(loop.smooth, recording, config.n_threads, progress);
-  });
-  double synthesize_s = 0.0, detect_s = 0.0;
-  for (const BallResult* ball : {&loop.rough, &loop.smooth})
-    for (const RecordingResult& r : ball->recordings) {
-      synthesize_s += r.synthesize_s;
-      detect_s += r.detect_s;
-    }
-  loop.clock.split_last({{"synthesize", synthesize_s}, {"detect", detect_s}});
+  DropRecording recording = drop_recording(config.synthesis, loop.rough.impacts);
+  recording.folder = config.sound_folder;
+  record_and_detect(loop.rough, recording, config.n_threads, progress);
+  if (config.with_smooth_ball) record_and_detect(loop.smooth, recording, config.n_threads, progress);
 }
 
 void sound_together(LoopResult& loop, const LoopConfig& config, const StageProgress& progress) {
-  loop.clock.time("synthesize", [&] {
-    loop.rough.recordings.push_back(synthesize_together(loop.rough.impacts, config.synthesis, *config.recording,
-                                                        callback(progress, "synthesize", "s of sound")));
-  });
-  loop.clock.time("detect", [&] {
-    detect_together(loop.rough.recordings.back(), config.n_threads, callback(progress, "detect", "s of sound"));
-    score(loop.rough);
-  });
+  loop.rough.recordings.push_back(synthesize_together(loop.rough.impacts, config.synthesis, *config.recording,
+                                                      callback(progress, "synthesize", "s of sound")));
+  detect_together(loop.rough.recordings.back(), config.n_threads, callback(progress, "detect", "s of sound"));
+  score(loop.rough);
+}
+
+/// How samples are made of the onsets of this experiment: its gravity, its ball.
+fit::RestitutionConfig restitution_config_of(const sim::SimulationConfig& simulation) {
+  fit::RestitutionConfig config;
+  config.gravity_mps2 = simulation.gravity_mps2;
+  config.ball = simulation.ball;
+  config.air_kgpm3 = simulation.air ? simulation.air->density_kgpm3 : 0.0;
+  config.instant_contacts = true;
+  return config;
+}
+
+/// Which disturbances the samples of this experiment contain: a simulated ball is struck without delay and, in the
+/// sound, each drop at one point.
+fit::BudgetConfig budget_config_of(const sim::SimulationConfig& simulation) {
+  fit::BudgetConfig budget;
+  budget.ball = simulation.ball;
+  budget.gravity_mps2 = simulation.gravity_mps2;
+  if (simulation.air) budget.air = *simulation.air;
+  budget.drag = simulation.air ? fit::Effect::present : fit::Effect::absent;
+  budget.contact_time = budget.travel_time = fit::Effect::absent;
+  return budget;
 }
 
 void fit_everything(LoopResult& loop, const LoopConfig& config, const StageProgress& progress) {
@@ -142,58 +149,26 @@ void fit_everything(LoopResult& loop, const LoopConfig& config, const StageProgr
 
 }  // namespace
 
-double processor_time_s(clockid_t clock) {
-  std::timespec now{};
-  ::clock_gettime(clock, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
-
-void StageClock::split_last(const SecondsByStage& processor_s) {
-  processor_s_.pop_back();
-  processor_s_.insert(processor_s_.end(), processor_s.begin(), processor_s.end());
-}
-
 LoopResult run_loop(const LoopConfig& config, const StageProgress& progress) {
   LoopResult loop;
   loop.simulation = config.simulation;
   loop.simulation.n_threads = config.n_threads;
-  loop.clock.time("simulate", [&] { simulate_balls(config, loop, progress); });
+  simulate_balls(config, loop, progress);
   config.recording ? sound_together(loop, config, progress) : sound_by_drop(loop, config, progress);
-  loop.clock.time("restitution_and_fit", [&] { fit_everything(loop, config, progress); });
-  loop.clock.time("theory", [&] {
-    const sim::ContactOffset offset =
-        contact_offset_of(config.simulation.ball, config.surface ? &*config.surface : nullptr, config.radius_law,
-                          config.n_asperities, config.n_threads);
-    const auto reservoir = [&] {
-      loop.reservoir = reservoir_check(loop.rough.impacts, loop.reservoirs, true_onsets_of(loop.rough.recordings),
-                                       onsets_of(loop.rough.recordings), loop.rough.score.match, loop.samples_sound,
-                                       loop.sound, loop.simulation.gravity_mps2);
-    };
-    const auto theory = [&] {
-      loop.theory = scatter_theory(loop.simulation, offset, loop.rough.impacts, loop.sound.histograms);
-    };
-    parallel_for(2, config.n_threads, [&](std::size_t k) { k == 0 ? reservoir() : theory(); });
-  });
+  fit_everything(loop, config, progress);
+  const sim::ContactOffset offset =
+      contact_offset_of(config.simulation.ball, config.surface ? &*config.surface : nullptr, config.radius_law,
+                        config.n_asperities, config.n_threads);
+  const auto reservoir = [&] {
+    loop.reservoir = reservoir_check(loop.rough.impacts, loop.reservoirs, true_onsets_of(loop.rough.recordings),
+                                     onsets_of(loop.rough.recordings), loop.rough.score.match, loop.samples_sound,
+                                     loop.sound, loop.simulation.gravity_mps2);
+  };
+  const auto theory = [&] {
+    loop.theory = scatter_theory(loop.simulation, offset, loop.rough.impacts, loop.sound.histograms);
+  };
+  parallel_for(2, config.n_threads, [&](std::size_t k) { k == 0 ? reservoir() : theory(); });
   return loop;
-}
-
-fit::RestitutionConfig restitution_config_of(const sim::SimulationConfig& simulation) {
-  fit::RestitutionConfig config;
-  config.gravity_mps2 = simulation.gravity_mps2;
-  config.ball = simulation.ball;
-  config.air_kgpm3 = simulation.air ? simulation.air->density_kgpm3 : 0.0;
-  config.instant_contacts = true;
-  return config;
-}
-
-fit::BudgetConfig budget_config_of(const sim::SimulationConfig& simulation) {
-  fit::BudgetConfig budget;
-  budget.ball = simulation.ball;
-  budget.gravity_mps2 = simulation.gravity_mps2;
-  if (simulation.air) budget.air = *simulation.air;
-  budget.drag = simulation.air ? fit::Effect::present : fit::Effect::absent;
-  budget.contact_time = budget.travel_time = fit::Effect::absent;
-  return budget;
 }
 
 double sound_s(const LoopResult& loop) {

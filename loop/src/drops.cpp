@@ -36,6 +36,22 @@ void keep(const std::vector<float>& samples, const synthesis::SynthesisConfig& c
   writer.commit();
 }
 
+/// A pure function of its arguments but for the recording kept.
+/// @param impacts  of this drop alone
+RecordingResult run_drop(const Impacts& impacts, const std::string& ball, const DropRecording& recording) {
+  RecordingResult result;
+  const std::int64_t drop = impacts.rows.front().drop;
+  const synthesis::SynthesisConfig config = synthesis::config_of_drop(recording.config, recording.levels, drop);
+  const synthesis::SyntheticRecording sound(impacts, config, recording.instrument);
+  const std::vector<float> samples = sound.samples_as_read_back();
+  result.truth = sound.truth();
+  result.sound_s = static_cast<double>(samples.size()) / config.rate_hz;
+  result.recording = synthesis::path_of_drop(ball + ".flac", drop).string();
+  if (recording.folder) keep(samples, config, *recording.folder / result.recording);
+  result.onsets = detection::detect(samples, config.rate_hz, result.recording).onsets;
+  return result;
+}
+
 }  // namespace
 
 DropRecording drop_recording(const synthesis::SynthesisConfig& config, const Impacts& impacts) {
@@ -51,24 +67,6 @@ DropRecording drop_recording(const synthesis::SynthesisConfig& config, const Imp
   recording.levels =
       synthesis::SyntheticRecording(rows_of(impacts, 0, begins[n]), recording.config, recording.instrument).levels();
   return recording;
-}
-
-RecordingResult run_drop(const Impacts& impacts, const std::string& ball, const DropRecording& recording) {
-  RecordingResult result;
-  const std::int64_t drop = impacts.rows.front().drop;
-  const double start_s = processor_time_s(CLOCK_THREAD_CPUTIME_ID);
-  const synthesis::SynthesisConfig config = synthesis::config_of_drop(recording.config, recording.levels, drop);
-  const synthesis::SyntheticRecording sound(impacts, config, recording.instrument);
-  const std::vector<float> samples = sound.samples_as_read_back();
-  result.truth = sound.truth();
-  result.sound_s = static_cast<double>(samples.size()) / config.rate_hz;
-  result.recording = synthesis::path_of_drop(ball + ".flac", drop).string();
-  if (recording.folder) keep(samples, config, *recording.folder / result.recording);
-  const double synthesized_s = processor_time_s(CLOCK_THREAD_CPUTIME_ID);
-  result.onsets = detection::detect(samples, config.rate_hz, result.recording).onsets;
-  result.synthesize_s = synthesized_s - start_s;
-  result.detect_s = processor_time_s(CLOCK_THREAD_CPUTIME_ID) - synthesized_s;
-  return result;
 }
 
 std::vector<RecordingResult> run_drops(const Impacts& impacts, const std::string& ball, const DropRecording& recording,

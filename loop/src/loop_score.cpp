@@ -17,27 +17,11 @@ std::optional<double> constant_of(const RestitutionLaw& law, std::size_t i) {
   return series->a[i];
 }
 
-std::optional<fit::Estimate> eps_at(const fit::FitResult& fit, double v_mps) {
-  const fit::NodeEstimate* node = node_at(fit, v_mps);
-  return node != nullptr ? std::optional(node->eps) : std::nullopt;
-}
-
 std::optional<fit::Estimate> eps_with_memory(const fit::FitResult& fit, double v_mps) {
   if (!fit.memory) return std::nullopt;
   for (const fit::NodeEstimate& node : fit.memory->nodes)
     if (node.v_mps == v_mps) return node.eps;
   return std::nullopt;
-}
-
-std::optional<fit::Estimate> parameter(const fit::FitResult& fit, const std::string& name) {
-  const fit::Estimate* found = parameter_named(fit, name);
-  return found != nullptr ? std::optional(*found) : std::nullopt;
-}
-
-std::optional<fit::Estimate> slope_at(const fit::FitResult& fit, double v_mps,
-                                      std::optional<fit::Estimate> fit::HistogramFit::*side) {
-  const fit::HistogramFit* window = window_at(fit, v_mps);
-  return window != nullptr ? window->*side : std::nullopt;
 }
 
 SlopePair pair_of(const fit::Estimate& simulation, const fit::Estimate& sound) {
@@ -46,10 +30,10 @@ SlopePair pair_of(const fit::Estimate& simulation, const fit::Estimate& sound) {
 
 }  // namespace
 
-const fit::NodeEstimate* node_at(const fit::FitResult& fit, double v_mps) {
+std::optional<fit::Estimate> eps_at(const fit::FitResult& fit, double v_mps) {
   for (const fit::NodeEstimate& node : fit.law.nodes)
-    if (same_speed(node.v_mps, v_mps)) return &node;
-  return nullptr;
+    if (same_speed(node.v_mps, v_mps)) return node.eps;
+  return std::nullopt;
 }
 
 const fit::HistogramFit* window_at(const fit::FitResult& fit, double v_mps) {
@@ -58,16 +42,16 @@ const fit::HistogramFit* window_at(const fit::FitResult& fit, double v_mps) {
   return nullptr;
 }
 
-const fit::HistogramFit* window_with_slopes(const fit::FitResult& fit, double v_mps) {
-  for (const fit::HistogramFit& h : fit.histograms)
-    if (same_speed(h.v_mps, v_mps) && h.slope_rising && h.slope_falling) return &h;
-  return nullptr;
+std::optional<fit::Estimate> slope_at(const fit::FitResult& fit, double v_mps,
+                                      std::optional<fit::Estimate> fit::HistogramFit::*side) {
+  const fit::HistogramFit* window = window_at(fit, v_mps);
+  return window != nullptr ? window->*side : std::nullopt;
 }
 
-const fit::Estimate* parameter_named(const fit::FitResult& fit, std::string_view name) {
+std::optional<fit::Estimate> parameter_named(const fit::FitResult& fit, std::string_view name) {
   for (const fit::NamedEstimate& p : fit.law.parameters)
-    if (p.name == name) return &p.estimate;
-  return nullptr;
+    if (p.name == name) return p.estimate;
+  return std::nullopt;
 }
 
 LoopScore score_loop(std::size_t n_drops, const detection::OnsetScore& onsets, const RestitutionLaw& truth,
@@ -83,7 +67,8 @@ LoopScore score_loop(std::size_t n_drops, const detection::OnsetScore& onsets, c
                            {eps_with_memory(true_times, node.v_mps), eps_with_memory(sound, node.v_mps)}});
   for (const std::size_t i : {2, 4, 5}) {
     const std::string name = "A" + std::to_string(i);
-    score.constants.push_back({name, constant_of(truth, i), {parameter(true_times, name), parameter(sound, name)}});
+    score.constants.push_back(
+        {name, constant_of(truth, i), {parameter_named(true_times, name), parameter_named(sound, name)}});
   }
   using Window = fit::HistogramFit;
   for (const double v : {0.3, 0.6, 1.0})

@@ -2,6 +2,7 @@
 #include "bouncelab/loop/sweep.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -22,23 +23,22 @@ std::string detection_failure(const detection::OnsetScore& score) {
   return "";
 }
 
-/// Do the slopes of a window from sound differ by more than a tenth from those from the true times?
-bool slopes_moved(const fit::HistogramFit& exact, const fit::HistogramFit* sound) {
-  return sound == nullptr || std::abs(sound->slope_rising->value / exact.slope_rising->value - 1.0) > 0.1 ||
-         std::abs(sound->slope_falling->value / exact.slope_falling->value - 1.0) > 0.1;
-}
+constexpr std::array kSides{&fit::HistogramFit::slope_rising, &fit::HistogramFit::slope_falling};
 
 std::string failure_of(const LoopResult& loop, const std::vector<double>& node_speeds_mps) {
   if (std::string failure = detection_failure(loop.rough.score); !failure.empty()) return failure;
   for (const double v : node_speeds_mps) {
-    const fit::NodeEstimate *sound = node_at(loop.sound, v), *exact = node_at(loop.true_times, v);
-    if (sound == nullptr || exact == nullptr || !exact->eps.se) return "no law";
-    if (std::abs(sound->eps.value - exact->eps.value) > *exact->eps.se)
+    const std::optional<fit::Estimate> sound = eps_at(loop.sound, v), exact = eps_at(loop.true_times, v);
+    if (!sound || !exact || !exact->se) return "no law";
+    if (std::abs(sound->value - exact->value) > *exact->se)
       return formatted("eps(%g m/s) moved by more than its standard error", v);
   }
-  for (const fit::HistogramFit& exact : loop.true_times.histograms)
-    if (exact.slope_rising && exact.slope_falling && slopes_moved(exact, window_with_slopes(loop.sound, exact.v_mps)))
-      return formatted("slopes at %.1f m/s moved by more than a tenth", exact.v_mps);
+  for (const fit::HistogramFit& window : loop.true_times.histograms)
+    for (const auto side : kSides) {
+      const std::optional<fit::Estimate>&exact = window.*side, sound = slope_at(loop.sound, window.v_mps, side);
+      if (exact && (!sound || std::abs(sound->value / exact->value - 1.0) > 0.1))
+        return formatted("slopes at %.1f m/s moved by more than a tenth", window.v_mps);
+    }
   return "";
 }
 
@@ -50,9 +50,9 @@ class Values {
   void add_share(const std::string& name, std::size_t n, std::size_t of) {
     add(name, of > 0 ? std::optional(static_cast<double>(n) / static_cast<double>(of)) : std::nullopt);
   }
-  void add_estimate(const std::string& name, const fit::Estimate* estimate) {
-    add(name, estimate != nullptr ? std::optional(estimate->value) : std::nullopt);
-    add("se_" + name, estimate != nullptr ? estimate->se : std::nullopt);
+  void add_estimate(const std::string& name, const std::optional<fit::Estimate>& estimate) {
+    add(name, estimate ? std::optional(estimate->value) : std::nullopt);
+    add("se_" + name, estimate ? estimate->se : std::nullopt);
   }
 
   std::vector<SweepValue> all;
@@ -79,24 +79,21 @@ std::vector<SweepValue> values_of(const LoopResult& loop, const std::vector<doub
   for (const double v : node_speeds_mps) {
     const std::string name = formatted("eps_%g", v);
     values.add(name + "_truth", restitution(loop.simulation.law, v));
-    for (const auto& [suffix, fit] : {std::pair{"_true_times", &loop.true_times}, {"_sound", &loop.sound}}) {
-      const fit::NodeEstimate* node = node_at(*fit, v);
-      values.add_estimate(name + suffix, node != nullptr ? &node->eps : nullptr);
-    }
+    for (const auto& [suffix, fit] : {std::pair{"_true_times", &loop.true_times}, {"_sound", &loop.sound}})
+      values.add_estimate(name + suffix, eps_at(*fit, v));
   }
   for (const char* name : {"A2", "A4", "A5"}) values.add_estimate(name, parameter_named(loop.sound, name));
   for (const double v : {0.3, 0.6, 1.0})
     for (const auto& [suffix, fit] : {std::pair{"_simulation", &loop.direct}, {"_sound", &loop.sound}}) {
-      const fit::HistogramFit* window = window_with_slopes(*fit, v);
-      values.add_estimate(formatted("slope_rising_%.1f", v) + suffix, window ? &*window->slope_rising : nullptr);
-      values.add_estimate(formatted("slope_falling_%.1f", v) + suffix, window ? &*window->slope_falling : nullptr);
+      values.add_estimate(formatted("slope_rising_%.1f", v) + suffix, slope_at(*fit, v, kSides[0]));
+      values.add_estimate(formatted("slope_falling_%.1f", v) + suffix, slope_at(*fit, v, kSides[1]));
     }
   for (const double v : {0.3, 0.6, 1.0}) {
     const fit::HistogramFit* window = window_at(loop.direct, v);
-    values.add(formatted("p_exponentials_%.1f_simulation", v), window ? window->p_value : std::nullopt);
+    values.add(formatted("p_exponentials_%.1f_simulation", v),
+               window && window->pearson ? std::optional(window->pearson->p_value) : std::nullopt);
   }
-  const std::optional<fit::Estimate>& exponent = loop.sound.budget.width_exponent;
-  values.add_estimate("width_exponent", exponent ? &*exponent : nullptr);
+  values.add_estimate("width_exponent", loop.sound.budget.width_exponent);
   return values.all;
 }
 

@@ -90,7 +90,6 @@ function tables() {
   budgetTable();
   handOff();
   doubtfulDrops();
-  work();
 }
 
 add('h1', {}, data.title);

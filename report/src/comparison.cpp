@@ -58,17 +58,9 @@ Object object_of(const BetweenRecordings& between, const std::vector<CampaignRec
 
 std::string points_json(const BetweenRecordings& between, const std::vector<CampaignRecording>& recordings,
                         std::size_t most) {
-  constexpr std::size_t kFurthest = 50;
   std::vector<std::size_t> used;
   for (std::size_t k = 0; k < recordings.size(); ++k)
     if (between.rows[k].is_used) used.push_back(k);
-  const auto far = [&](std::size_t k) { return std::abs(between.rows[k].standardised); };
-  std::vector<std::size_t> by_distance = used;
-  std::stable_sort(by_distance.begin(), by_distance.end(),
-                   [&](std::size_t a, std::size_t b) { return far(a) > far(b); });
-  std::vector<bool> is_shown(recordings.size(), false);
-  for (std::size_t j = 0; j < by_distance.size(); ++j)
-    is_shown[by_distance[j]] = j < kFurthest || between.rows[by_distance[j]].is_outlier;
   const bool by_date = between.drift && between.drift->by_date;
   const auto time = [&](std::size_t k) {
     const auto& date = recordings[k].origin.date;
@@ -82,8 +74,8 @@ std::string points_json(const BetweenRecordings& between, const std::vector<Camp
   const auto rounded = [](double x, double steps) { return std::round(x * steps) / steps; };  // far below any error
   for (std::size_t j = 0; j < used.size(); ++j) {
     const std::size_t k = used[j];
-    if (!is_shown[k] && j % step != 0) continue;
     const RecordingRow& row = between.rows[k];
+    if (!row.is_outlier && j % step != 0) continue;
     const CampaignRecording& of = recordings[k];
     names.push_back(of.summary.recording);
     plates.push_back(of.origin.plate);

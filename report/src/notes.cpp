@@ -64,9 +64,6 @@ constexpr Wording kWordings[]{
      "compare like with like"},
     {Kind::repeated_drops, warning,
      "{s} ({0} bounces): is it the same drop twice? Leave copies out, since copies make the errors too small"},
-    {Kind::same_drop_in_files, warning,
-     "{s}: several files have a drop of this recording with the same number, so each file counts as a "
-     "recording; if it is one, give each drop its own number"},
     {Kind::renamed_recordings, warning,
      "{s}: the names of {0} {0|recording|recordings} are in another file too; they count as other recordings, "
      "and the file's name is added to theirs"},
@@ -124,15 +121,11 @@ constexpr Wording kWordings[]{
     {Kind::not_converged, detail, "the fit did not converge: the log-likelihood could still rise by {0:.3g}"},
     {Kind::not_identifiable, detail,
      "these {0} impacts do not determine the constants of the law (95 % intervals: {s}); use the curve ε(v)"},
-    {Kind::tied_constants, detail,
-     "{s} are strongly correlated ({0:.4f}) at these speeds; use the curve ε(v), or the constants together "
-     "with their covariance"},
     {Kind::one_speed, detail,
      "all speeds are between {0:.3g} and {1:.3g} m/s: there is one ε, at that speed; drop from several "
      "heights to see more"},
     {Kind::two_terms, detail, "{0} samples are too few for more than two terms of the law"},
     {Kind::one_constant, detail, "{0} samples are too few for a law: one ε is fitted to all speeds"},
-    {Kind::no_bootstrap, detail, "there is no bootstrap by drop: it needs at least 8 drops"},
     {Kind::few_drops, detail,
      "{s}: standard errors of constants and slopes of p(ε) assume independent impacts, those of slopes may be "
      "1.7 times too small at low speeds; record 10 drops or more"},

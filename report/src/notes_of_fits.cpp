@@ -16,21 +16,6 @@ namespace {
 
 using Notes = std::vector<Note>;
 
-void note_correlation(const Constants& law, Notes& notes) {
-  std::size_t worst_i = 0, worst_j = 0;
-  const auto correlation = [&](std::size_t i, std::size_t j) {
-    return law.covariance[i][j] / std::sqrt(law.covariance[i][i] * law.covariance[j][j]);
-  };
-  double worst = 0.99;
-  for (std::size_t i = 0; i < law.parameters.size(); ++i)
-    for (std::size_t j = 0; j < i; ++j)
-      if (std::abs(correlation(i, j)) > worst) worst = std::abs(correlation(i, j)), worst_i = i, worst_j = j;
-  if (worst_i != worst_j)
-    notes.push_back({NoteKind::tied_constants,
-                     {correlation(worst_i, worst_j)},
-                     law.parameters[worst_j].name + " and " + law.parameters[worst_i].name});
-}
-
 /// What one drop's impacts share cannot be seen without other drops. (Figures: docs/physics.md, errors by drop.)
 void note_few_drops(const DropCount& drops, Notes& notes) {
   if (drops.n == 0 || drops.errors == ErrorBasis::by_drop) return;
@@ -56,14 +41,14 @@ void note_law(const FitResult& result, Notes& notes) {
   const LawFit& law = result.law;
   if (result.constants.status == FitStatus::not_applicable) return;  // they are none about it
   // with memory the impacts need not scatter as if they were independent
-  if (law.p_value && *law.p_value < 0.001 && !memory_holds(result)) {
+  if (law.pearson && law.pearson->p_value < 0.001 && !memory_holds(result)) {
     double ratio = 0.0;
     for (const ResidualBin& bin : law.residuals) ratio += bin.scatter_ratio / static_cast<double>(law.residuals.size());
     if (ratio < 0.8)
       notes.push_back({NoteKind::timing_too_large, {ratio}});
     else
       notes.push_back({NoteKind::scatter_not_as_fitted,
-                       {*law.chi2 / static_cast<double>(*law.ndf), *law.p_value},
+                       {law.pearson->chi2 / law.pearson->ndf, law.pearson->p_value},
                        law.drops.errors == ErrorBasis::by_drop
                            ? "the standard errors come from the differences between drops and do not depend on it"
                            : "the standard errors may be too small"});
@@ -235,19 +220,8 @@ std::vector<Note> notes_of(const FitResult& result, const RestitutionSamples& sa
   if (result.memory) note_memory(*result.memory, notes);
   if (memory == UseMemory::always && result.memory && !result.memory->holds)
     notes.push_back({NoteKind::memory_fails, {}, in_words(*result.memory)});
-  if (!result.constants.why) note_correlation(result.constants, notes);
   if (result.curve && result.is_one_ball && !samples.empty())
     note_largest_part(*result.curve, samples.front().conditions, notes);
-  order(notes);
-  return notes;
-}
-
-std::vector<Note> notes_of(const RoughnessResult& result, const RestitutionSamples& samples) {
-  LeftOut left_out;
-  const PartOfSamples part = usable_samples(samples, left_out);
-  Notes notes;
-  note_all_samples(*part, left_out, notes);
-  note_memory(result.memory, notes);
   order(notes);
   return notes;
 }

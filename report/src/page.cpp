@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bouncelab/report/page.hpp"
 
-#include <array>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string_view>
@@ -197,29 +197,20 @@ std::string render(const ReportInput& input) {
                              {"parameter", snippet.parameter},
                              {"text", snippet.text}});
 
-  const std::array<std::pair<std::string_view, std::string>, 5> parts{{{"@TITLE@", escaped(input.title)},
-                                                                       {"@STYLE@", std::string(BOUNCELAB_TEXT(style))},
-                                                                       {"@PLOTLY@", std::string(kPlotly)},
-                                                                       {"@DATA@", embedded(data)},
-                                                                       {"@SCRIPT@", all_scripts()}}};
   // the template once from left to right: what is put in is never searched again
+  const std::map<std::string_view, std::string> parts{{"@TITLE@", escaped(input.title)},
+                                                      {"@STYLE@", std::string(BOUNCELAB_TEXT(style))},
+                                                      {"@PLOTLY@", std::string(kPlotly)},
+                                                      {"@DATA@", embedded(data)},
+                                                      {"@SCRIPT@", all_scripts()}};
   std::string html;
   std::string_view rest = BOUNCELAB_TEXT(template);
-  while (!rest.empty()) {
-    std::size_t nearest = rest.size();
-    const std::pair<std::string_view, std::string>* part = nullptr;
-    for (const auto& candidate : parts) {
-      const std::size_t at = rest.find(candidate.first);
-      if (at < nearest) {
-        nearest = at;
-        part = &candidate;
-      }
-    }
-    html += rest.substr(0, nearest);
-    if (part == nullptr) break;
-    html += part->second;
-    rest.remove_prefix(nearest + part->first.size());
+  for (std::size_t at = 0; (at = rest.find('@')) != std::string_view::npos;) {
+    const std::string_view name = rest.substr(at, rest.find('@', at + 1) + 1 - at);
+    html.append(rest.substr(0, at)).append(parts.at(name));
+    rest.remove_prefix(at + name.size());
   }
+  html += rest;
   return html;
 }
 

@@ -89,7 +89,7 @@ TEST_F(BadInput, WhatIsNoTableIsRefusedInAShortLine) {
 TEST_F(BadInput, AFitOfAnEarlierVersionIsRefusedByTheReport) {
   fs::create_directory(folder_ / "r");
   write("r/fit.json", R"({"averaged":{"nodes":[]},"law":{}})");
-  expect_refused("report r", 3, {"r/fit.json", "bouncelab 0.2", "bouncelab fit samples.csv"});
+  expect_refused("report r", 3, {"r/fit.json", "of this version", "bouncelab fit"});
 }
 
 TEST_F(BadInput, AResultThatIsNoneOfAFitIsRefusedByTheReport) {

@@ -88,7 +88,7 @@ TEST_F(ConfigFile, WhatIsNoRegularFileOfTomlIsRefused) {
   const std::string simulate = "simulate --out a.csv --config ";
   expect_one_line_error(run(simulate + "folder"), 3, {"folder", "regular file"});
   expect_one_line_error(run(simulate + "missing.toml"), 3, {"missing.toml"});
-  expect_one_line_error(run(simulate + "''"), 3, {"no such file"});
+  expect_one_line_error(run(simulate + "''"), 3, {"regular file"});
   expect_one_line_error(run(simulate + "/dev/zero"), 3, {"/dev/zero", "regular file"});
   ASSERT_EQ(::mkfifo((folder_ / "pipe").c_str(), 0600), 0);
   expect_one_line_error(shell("timeout 60 \"$B\" " + simulate + "pipe"), 3, {"pipe", "regular file"});

@@ -139,17 +139,17 @@ TEST_F(DemCommand, SaysWhatAFitDoesNotHave) {
   EXPECT_EQ(none.exit_code, 1);
   EXPECT_THAT(none.err, testing::HasSubstr("nothing viscoelastic for mercurydpm: it has constant"));
   EXPECT_THAT(run("dem fit.json --code lammps --model memory").err,
-              testing::HasSubstr("it has constant and viscoelastic"));
-  EXPECT_THAT(run("dem fit.json --code c++ --model constant").err, testing::HasSubstr("it has fluctuating and memory"));
-  EXPECT_THAT(run("dem fit.json --code c++ --model memory").err, testing::HasSubstr("memory does not hold"));
+              testing::HasSubstr("it has constant, viscoelastic"));
+  EXPECT_THAT(run("dem fit.json --code c++ --model constant").err, testing::HasSubstr("it has fluctuating"));
+  EXPECT_THAT(run("dem fit.json --code c++ --model memory").err, testing::HasSubstr("it has fluctuating"));
   std::ofstream(folder_ / "other.json") << "{}";
-  expect_one_line_error(run("dem other.json"), 3, {"other.json", "no fit.json"});
+  expect_one_line_error(run("dem other.json"), 3, {"other.json", "no fit.json of this version"});
   expect_one_line_error(run("dem missing.json"), 3, {"missing.json"});
 }
 
 TEST_F(DemCommand, AFitOfAnEarlierVersionIsNotUsed) {
   std::ofstream(folder_ / "old.json") << R"({"averaged":{"nodes":[]},"law":{},"hand_off":{"snippets":[]}})";
-  expect_one_line_error(run("dem old.json"), 3, {"old.json", "bouncelab 0.2", "bouncelab fit samples.csv"});
+  expect_one_line_error(run("dem old.json"), 3, {"old.json", "of this version", "bouncelab fit samples.csv"});
 }
 
 }  // namespace

@@ -44,8 +44,6 @@ TEST_F(Files, NoOutputReplacesAnInput) {
   expect_kept("simulate --law table:law.csv --out law.csv --force", {"law.csv", "is the input"});
   ASSERT_EQ(run("simulate --drops 1 --impacts 9 --asperities 99 --out sim.csv").exit_code, 0);
   expect_kept("restitution sim.csv --out sim.csv.meta.json --force", {"sim.csv.meta.json", "is the input"});
-  write("p.csv", "drop,impact,x_m,y_m\n0,0,0,0\n");
-  expect_kept("restitution on.csv --positions p.csv --out p.csv --force", {"p.csv", "is the input"});
   fs::create_directory(folder_ / "out");
   write("out/onsets.csv", "rec.wav\n");
   expect_kept("analyze --list out/onsets.csv --out out --force", {"out/onsets.csv", "is the input"});
@@ -159,8 +157,7 @@ TEST_F(Files, WhatCannotBeAnInputIsRefusedInOneLine) {
     expect_one_line_error(run(command), 3, {"folder"});
   expect_one_line_error(shell("timeout 60 \"$B\" fit /dev/zero --out f.json"), 3, {"/dev/zero", "device"});
   expect_one_line_error(shell("timeout 60 \"$B\" detect - --out o.csv </dev/zero"), 3, {"standard input", "device"});
-  expect_one_line_error(shell("cat on.csv | \"$B\" restitution - --positions - --out x.csv"), 2,
-                        {"standard input", "only once"});
+  expect_one_line_error(shell("cat on.csv | \"$B\" restitution - - --out x.csv"), 2, {"standard input", "only once"});
   expect_one_line_error(shell("\"$B\" restitution - --out x.csv <&-"), 3, {"standard input"});
 }
 
@@ -178,15 +175,10 @@ TEST_F(Files, NamesThatAreNotUtf8AreNamedInValidJson) {
   EXPECT_LE(run("fit fls.csv --out f.json --json").exit_code, 1);
 }
 
-TEST_F(Files, ANameOfTheLongestLengthIsWrittenWithItsProvenance) {
-  for (const std::string& name : {std::string(251, 'n') + ".csv", std::string(240, 'm') + ".csv"}) {
-    EXPECT_EQ(run("restitution on.csv --out " + name).exit_code, 0);
-    EXPECT_TRUE(fs::exists(folder_ / name));
-  }
-  const std::vector<std::string> all = files();
-  EXPECT_EQ(std::count_if(all.begin(), all.end(), [](const std::string& name) { return name.ends_with(".meta.json"); }),
-            2);
-  expect_one_line_error(run("restitution on.csv --out " + std::string(252, 'n') + ".csv"), 3, {"nnn"});
+TEST_F(Files, ANameThatLeavesNoRoomForItsProvenanceIsRefused) {
+  EXPECT_EQ(run("restitution on.csv --out " + std::string(241, 'n') + ".csv").exit_code, 0);
+  for (const std::size_t n : {242U, 252U})
+    expect_one_line_error(run("restitution on.csv --out " + std::string(n, 'n') + ".csv"), 3, {"nnn", "too long"});
 }
 
 TEST_F(Files, StandardOutputThatIsFullOrClosedIsAnError) {

@@ -46,12 +46,11 @@ TEST_F(Signals, TheSecondRunInAFolderIsRefusedAlsoWithForce) {
   write("rec.wav", float_wav(bouncing(12), 44100));
   for (const std::string second :
        {"loop --preset paper --out out --force", "loop --out out", "analyze rec.wav --out out --force"}) {
-    const Result result = shell(
-        "{ \"$B\" " + std::string(kLong) +
-        " & } ; p=$!; until test -s out/.bouncelab.lock; do sleep 0.01; done; "
-        "echo $p; \"$B\" " +
-        second + "; s=$?; test -s out/.bouncelab.lock || s=99; kill -9 $p; wait $p 2>/dev/null; rm -r out; exit $s");
-    expect_one_line_error(result, 3, {"out", "process " + result.out.substr(0, result.out.find('\n'))});
+    const Result result = shell("{ \"$B\" " + std::string(kLong) +
+                                " & } ; p=$!; until test -d out; do sleep 0.01; done; sleep 0.1; "
+                                "\"$B\" " +
+                                second + "; s=$?; kill -9 $p; wait $p 2>/dev/null; rm -r out; exit $s");
+    expect_one_line_error(result, 3, {"out", "another bouncelab"});
   }
 }
 

@@ -3,11 +3,15 @@
 #include "stages/files/table_file.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <cmath>
+#include <csignal>
 #include <fstream>
 #include <sstream>
 
+#include "bouncelab/core/error.hpp"
 #include "bouncelab/core/table.hpp"
 #include "support/temporary_folder.hpp"
 
@@ -76,9 +80,10 @@ TEST_F(TableFile, IsTheSameRowsInWhateverPiecesItIsRead) {
   EXPECT_TRUE(whole == text_of(rows_of(0, kRows)));
   for (const std::size_t piece : {std::size_t{999}, kPiece_rows, kRows, 2 * kRows}) {
     TableReader reader = open_table(path_, kColumns);
-    Table all = reader.next(piece);
-    for (Table rows = reader.next(piece); rows.n_rows() > 0; rows = reader.next(piece)) all.append(rows);
-    EXPECT_TRUE(text_of(all) == whole) << piece;
+    std::ostringstream all;
+    write_csv(all, reader.next(piece));
+    for (Table rows = reader.next(piece); rows.n_rows() > 0; rows = reader.next(piece)) write_csv_rows(all, rows);
+    EXPECT_TRUE(all.str() == whole) << piece;
     EXPECT_EQ(reader.next(piece).n_rows(), 0U);
   }
 }
@@ -88,6 +93,23 @@ TEST_F(TableFile, IsLeftAloneWithoutTheLastPiece) {
   const std::string before = content();
   { TableWriter(run_, path_).add(rows_of(0, kRows)); }
   EXPECT_TRUE(content() == before);
+}
+
+TEST(OutputFolderTest, TheSecondIsRefusedAndTheLockEndsWithItsProcess) {
+  const test::TemporaryFolder folder;
+  const pid_t child = ::fork();
+  if (child == 0) {
+    const OutputFolder lock(folder);
+    ::raise(SIGKILL);
+  }
+  int status = 0;
+  ASSERT_EQ(::waitpid(child, &status, 0), child);
+  {
+    const OutputFolder lock(folder);
+    EXPECT_THROW(OutputFolder{folder}, FileError);
+  }
+  EXPECT_NO_THROW(OutputFolder{folder});
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder), {}), 0);
 }
 
 }  // namespace

@@ -91,18 +91,6 @@ TEST_F(ValidateCommand, KeepsRecordingsFromDetectorsThatOverwriteThem) {
             "validation.json\nvalidation.json.meta.json\n");
 }
 
-TEST_F(ValidateCommand, LeavesNothingOfALargerSetAndAllOfTheUsers) {
-  write("set.toml", "snr_db = [40, 20]\n");
-  ASSERT_EQ(run("validate --config set.toml --detector builtin --detector builtin --out o " + kSmall).exit_code, 0);
-  write("o/recordings/mine.wav", "of the user");
-  write("o/marks/2/mine.csv", "of the user");
-  ASSERT_EQ(run("validate --detector builtin --out o --force " + kSmall).exit_code, 0);
-  EXPECT_EQ(shell("ls o/recordings o/marks/* | grep -v meta.json").out,
-            "o/marks/1:\nall_else.csv\n\no/marks/2:\nmine.csv\n\no/recordings:\nall_else.impacts.csv\n"
-            "all_else.truth.csv\nall_else.wav\nmine.wav\n");
-  EXPECT_EQ(shell("ls -A o/recordings o/marks/* | grep -c meta.json").out, "4\n");
-}
-
 TEST_F(ValidateCommand, LosesOneRecordingToADetectorThatFails) {
   make_recording();
   const auto line_of = [&](const std::string& detector) {

@@ -112,31 +112,6 @@ TEST_F(CheckFiles, ExistingOutputsNeedLeaveAndMissingInputsAreLeftToTheirReader)
   EXPECT_FALSE(fs::exists(folder_ / "new.csv")) << "checking leaves something behind";
 }
 
-TEST(FolderLockTest, TheSecondIsRefusedWithTheNumberOfTheFirst) {
-  const test::TemporaryFolder folder;
-  {
-    const FolderLock lock(folder);
-    // whoever shares the folder may take the lock that a killed run left
-    EXPECT_EQ(fs::status(fs::path(folder) / ".bouncelab.lock").permissions(), fs::perms{0666});
-    EXPECT_THAT(test::refusal<FileError>([&] { const FolderLock second(folder); }),
-                testing::HasSubstr("process " + std::to_string(::getpid())));
-  }
-  EXPECT_EQ(std::distance(fs::directory_iterator(folder), {}), 0);
-  const FolderLock again(folder);
-}
-
-TEST(FolderLockTest, TheLockEndsWithItsProcess) {
-  const test::TemporaryFolder folder;
-  const pid_t child = ::fork();
-  if (child == 0) {
-    const FolderLock lock(folder);
-    ::raise(SIGKILL);
-  }
-  int status = 0;
-  ASSERT_EQ(::waitpid(child, &status, 0), child);
-  EXPECT_NO_THROW(FolderLock{folder});
-}
-
 class InputFileTest : public testing::Test {
  protected:
   /// Runs `use` while another thread writes `content` into a FIFO.

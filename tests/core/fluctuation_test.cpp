@@ -125,7 +125,6 @@ TEST(Fluctuation, OfAHugeReservoirStaysFinite) {
     EXPECT_TRUE(std::isfinite(r) && std::isfinite(f.log_density(r)));
     EXPECT_NEAR(f.cdf(r), 0.5, 1e-6);  // lambda = 1e20: the offset's 1e10 standard deviations carry 1e-6 of one
     EXPECT_GE(f.reservoir_after(r), 0.0);
-    EXPECT_TRUE(std::isfinite(f.reservoir_sd(r)));
   }
 }
 
@@ -135,7 +134,7 @@ TEST(Fluctuation, KeepsTheEnergyButForTheDissipatedPart) {
   const Fluctuation f(q, {v, eps, slope, w});
   const double lo = f.quantile(0.30), hi = f.quantile(0.32);
   Random random(5, RandomStream::test, 0);
-  double sum = 0.0, sum2 = 0.0, squares = 0.0, expected = 0.0, weights = 0.0;
+  double sum = 0.0, sum2 = 0.0, expected = 0.0, weights = 0.0;
   for (int k = 0; k < 400000; ++k) {
     const double x = std::sqrt(q) * random.normal(), y = std::sqrt(q) * random.normal();
     const double approach = v + std::sqrt(w) * x;
@@ -147,7 +146,6 @@ TEST(Fluctuation, KeepsTheEnergyButForTheDissipatedPart) {
     const double error = after - f.reservoir_after(r);
     sum += weight * error;
     sum2 += weight * weight * error * error;
-    squares += weight * error * error;
     expected += weight * after;
     weights += weight;
   }
@@ -156,8 +154,6 @@ TEST(Fluctuation, KeepsTheEnergyButForTheDissipatedPart) {
   const double se = std::sqrt(sum2) / weights;
   EXPECT_LT(std::abs(sum) / weights, 4.0 * se);
   EXPECT_LT(se, 1e-3 * expected / weights);
-  // the scatter about it; 8000 values give a standard deviation to 1 %, of r in a narrow range
-  EXPECT_NEAR(std::sqrt(squares / weights) / f.reservoir_sd(0.5 * (lo + hi)), 1.0, 0.05);
 }
 
 TEST(Fluctuation, AveragedOverAnExponentialReservoirIsExactlyTwoExponentials) {

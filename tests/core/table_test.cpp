@@ -33,28 +33,6 @@ TEST(Table, RowsOfAFileKnowTheirLinesAndOthersTheirNumber) {
   EXPECT_EQ(table.place_of(4), "line 10");
 }
 
-TEST(Table, RowsOfAnotherTableArePutBelowThoseOfTheSameColumnsOnly) {
-  const auto table_of = [](std::vector<double> t_s, std::vector<std::int64_t> drop, std::vector<std::string> flags) {
-    return Table{{{"t_s", std::move(t_s)}, {"drop", std::move(drop)}, {"flags", std::move(flags)}}};
-  };
-  Table table = table_of({0.1, 0.2}, {0, 0}, {"", "late"});
-  table.stands_on(0, 2);
-  table.append(table_of({0.3}, {1}, {"by_hand"}));
-  table.append(table_of({}, {}, {}));
-  EXPECT_EQ(*table.reals("t_s"), (std::vector{0.1, 0.2, 0.3}));
-  EXPECT_EQ(*table.integers("drop"), (std::vector<std::int64_t>{0, 0, 1}));
-  EXPECT_EQ(*table.texts("flags"), (std::vector<std::string>{"", "late", "by_hand"}));
-  EXPECT_EQ(table.place_of(2), "row 3") << "it may be a line of another file";
-
-  const Column t{"t_s", std::vector{0.4}}, drop{"drop", std::vector<std::int64_t>{2}};
-  const Column flags{"flags", std::vector<std::string>{""}}, real_drop{"drop", std::vector{2.0}};
-  const Column v{"v_mps", std::vector{0.4}};
-  for (const Table& other : {Table{}, Table{{t, drop}}, Table{{t, drop, flags, v}}, Table{{v, drop, flags}},
-                             Table{{t, real_drop, flags}}, Table{{drop, t, flags}}})
-    EXPECT_THROW(table.append(other), InvalidArgument);
-  EXPECT_EQ(table.n_rows(), 3U) << "nothing was appended before it was refused";
-}
-
 template <class Read>
 std::string message_of(const std::string& csv, const std::vector<ColumnSpec>& columns, Read read) {
   std::istringstream in(csv);

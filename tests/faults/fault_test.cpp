@@ -23,31 +23,14 @@ using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-/// The report holds the summary, and with it its times.
-std::string without_times(std::string report) {
-  for (const auto& [first, last] :
-       {std::pair{"\"seconds\":{", '}'}, {"\"processor_seconds\":{", '}'}, {"\"peak_memory_bytes\":", ','}})
-    if (const std::size_t at = report.find(first); at != std::string::npos)
-      report.erase(at, report.find(last, at) - at);
-  return report;
-}
-
 /// Anything that is not JSON stays as it is, and so differs from every whole file.
 std::string without_what_varies(const std::string& name, const std::string& content) {
-  if (name == "report.html") return without_times(content);
-  const bool provenance = name.ends_with(".meta.json");
-  if (!provenance && !name.ends_with("summary.json")) return content;
+  if (!name.ends_with(".meta.json")) return content;
   Json json = Json::parse(content, nullptr, false);
   if (!json.is_object()) return content;
-  // the paper's loop adds what it took, and of how much sound, when everything else is written
-  for (const char* key : {"command_line", "seconds", "processor_seconds", "peak_memory_bytes", "sound_s"})
-    json.erase(key);
+  json.erase("command_line");
   if (json.contains("parameters"))
     for (const char* key : {"threads", "force"}) json["parameters"].erase(key);
-  if (name == "summary.json.meta.json" || name == "report.html.meta.json") json.erase("sha256");  // of what holds times
-  if (json.contains("inputs") && provenance)
-    for (Json& input : json["inputs"])
-      if (input["path"].get<std::string>().ends_with("summary.json")) input.erase("sha256");  // it holds times
   return json.dump();
 }
 

@@ -239,11 +239,6 @@ TEST(Causes, OfTheAirAreNotKnownWithoutTheBall) {
   EXPECT_THAT(words.causes.back().sentence + words.causes.at(1).sentence, HasSubstr("name the ball"));
 }
 
-TEST(FitInWords, WarnsInWordsOfConstantsThatCannotBeToldApart) {
-  EXPECT_THAT(texts_of(told(bouncelab::testing::independent_samples({}, 5000, 0.2, 1.4, 0.0)).notes),
-              Contains(HasSubstr("are strongly correlated")));
-}
-
 TEST(FitInWords, AnswersTheFiveQuestionsOfAReader) {
   const FitInWords words = told(bouncelab::testing::independent_samples({}, 20000, 0.2, 1.4, 1e-4));
   ASSERT_EQ(words.findings.size(), 5u);

@@ -148,9 +148,7 @@ TEST(MemoryOfFitAll, GivesAnswerQuestionsAndDemCodesOneSetOfNumbers) {
 
 TEST(MemoryOfFitAll, LeavesOutTheWarningsOfImpactsTakenAsIndependent) {
   FitResult result = of_a_rough_ball();
-  result.law.p_value = 1e-9;
-  result.law.chi2 = 100.0;
-  result.law.ndf = 10;
+  result.law.pearson = {100.0, 10.0, 1e-9};
   const auto warns = [&] {
     const FitInWords words = in_words(result, drops(true));
     return std::any_of(words.notes.begin(), words.notes.end(),
@@ -221,27 +219,6 @@ TEST(MemoryOfFitAll, IsAStepOfTheProgress) {
   EXPECT_TRUE(j.at("memory").at("tests").is_null());
   EXPECT_THAT(texts_of(in_words(result, few, UseMemory::always).notes, Severity::warning),
               ::testing::Contains(::testing::StartsWith("memory could not be fitted: ")));
-}
-
-TEST(RoughnessOfABall, IsFoundWithinItsErrorWhateverItsInertia) {
-  RoughnessConfig config;
-  config.n_goodness = 0;
-  RestitutionSamples samples = drops(true);
-  Ball thin_shell = *samples.front().conditions.ball;
-  thin_shell.inertia_factor = 2.0 / 3.0;
-  name_ball(samples, thin_shell, {});
-  samples[7].flags = {Flag::missing_impact};
-  const RoughnessResult shell = measure_roughness(samples, config);
-  ASSERT_TRUE(shell.memory.holds);
-  EXPECT_LT(std::abs(shell.memory.roughness.q.value - kQ), 4.0 * *shell.memory.roughness.q.se);
-  // 500 widths know q to a tenth or so; were it the start value there would be no such error
-  EXPECT_LT(*shell.memory.roughness.q.se, 0.2 * kQ);
-  EXPECT_DOUBLE_EQ(shell.memory.roughness.s2_no_slip, shell.memory.roughness.q.value * (5.0 / 3.0));
-  EXPECT_EQ(shell.n_left_out.at("missing_impact"), 1u);
-  EXPECT_EQ(shell.memory.n_chains, 11u);  // the flagged impact parts its drop
-  const auto j = nlohmann::json::parse(json_text(value_of(shell)));
-  EXPECT_EQ(j.at("roughness").at("s2_no_slip"), shell.memory.roughness.s2_no_slip);
-  EXPECT_EQ(j.at("roughness").at("inertia_factor"), 2.0 / 3.0);
 }
 
 TEST(RoughnessOfABall, NamesSurfacesWhoseOffsetsHaveThatVariance) {

@@ -132,18 +132,6 @@ std::string hard_case_help() {
   return help;
 }
 
-audio::SampleEncoding encoding_of(const std::string& bits) {
-  if (bits == "16") return audio::SampleEncoding::pcm16;
-  if (bits == "32") return audio::SampleEncoding::pcm32;
-  return bits == "float" ? audio::SampleEncoding::float32 : audio::SampleEncoding::pcm24;
-}
-
-/// False where the text is not one finite decimal number.
-bool read_number(std::string_view text, double& value) {
-  const auto [end, status] = bouncelab::from_chars(text.data(), text.data() + text.size(), value);
-  return status == std::errc{} && end == text.data() + text.size() && std::isfinite(value);
-}
-
 synthesis::Channel channel_of(const std::string& text, double default_z_m) {
   synthesis::Channel channel;
   channel.z_m = default_z_m;
@@ -151,7 +139,7 @@ synthesis::Channel channel_of(const std::string& text, double default_z_m) {
   std::string_view rest = text;
   for (std::size_t n = 0; n < std::size(fields); ++n) {
     const auto comma = rest.find(',');
-    if (!read_number(rest.substr(0, comma), *fields[n])) break;
+    if (parse_number(rest.substr(0, comma), *fields[n]) != std::errc{} || !std::isfinite(*fields[n])) break;
     if (comma == std::string_view::npos && n >= 1) return channel;
     if (comma == std::string_view::npos) break;
     rest.remove_prefix(comma + 1);
@@ -224,6 +212,12 @@ Section disturbances_section(SynthesizeOptions& options) {
   return section_of(disturbances, "Disturbances (levels in units of the weakest wanted impact's peak)");
 }
 
+audio::SampleEncoding encoding_of(const std::string& bits) {
+  if (bits == "16") return audio::SampleEncoding::pcm16;
+  if (bits == "32") return audio::SampleEncoding::pcm32;
+  return bits == "float" ? audio::SampleEncoding::float32 : audio::SampleEncoding::pcm24;
+}
+
 synthesis::SynthesisConfig synthesis_config(const SynthesizeOptions& options, std::uint64_t seed, int n_threads) {
   synthesis::SynthesisConfig config = options.config;
   config.seed = seed;
@@ -241,15 +235,6 @@ synthesis::SynthesisConfig synthesis_config(const SynthesizeOptions& options, st
   if (options.hard_case != "none") config = synthesis::with_hard_case(config, options.hard_case);
   set_room(options, config.sensor);
   return config;
-}
-
-Description members_of(const RestitutionOptions*) {
-  using O = RestitutionOptions;
-  static constexpr Member options[]{
-      member<&O::positions>(
-          "positions", "Table drop,impact,x_m,y_m (as simulate --state writes): correct for the travel of the sound"),
-      member<&O::sensor_m>("sensor_position", "Position of the sensor [m]").with_commas("X,Y", 2, 2).within(-1e3, 1e3)};
-  return options;
 }
 
 fit::RestitutionConfig with_ball(const RestitutionOptions& options) {

@@ -91,14 +91,10 @@ struct RestitutionOptions {
   std::string out;
   ForeignFileOptions foreign;  ///< of onsets that this program did not write
   fit::RestitutionConfig config;
-  BallChoice world;       ///< where a part is not named, that of `config`
-  std::string positions;  ///< of the impacts, for the correction of travel times; empty: no correction
-  std::vector<double> sensor_m{0.0, 0.0};
+  BallChoice world;  ///< where a part is not named, that of `config`
 };
-/// All but the files, what they are, the ball, and what `config` has.
-Description members_of(const RestitutionOptions*);
 
-/// With the ball and the plate that were chosen; positions are not read.
+/// With the ball and the plate that were chosen.
 fit::RestitutionConfig with_ball(const RestitutionOptions& options);
 
 /// What `synthesize` and `loop` let the user choose of the sound. Texts are read by synthesis_config().
@@ -121,6 +117,9 @@ struct SynthesizeOptions {
 /// All but the files, the ball and disturbances.
 Description members_of(const SynthesizeOptions*);
 Section disturbances_section(SynthesizeOptions& options);
+
+/// @param bits  16, 24, 32 or float
+audio::SampleEncoding encoding_of(const std::string& bits);
 
 /// The recording that the options describe. @throws InvalidArgument
 synthesis::SynthesisConfig synthesis_config(const SynthesizeOptions& options, std::uint64_t seed, int n_threads);

@@ -31,19 +31,6 @@ std::string common_parameter(const std::vector<std::string>& files, const std::s
   return first;
 }
 
-bool are_simulated(const std::vector<std::string>& files) {
-  const auto is_simulated = [](const std::string& file) {
-    return parameter_in_provenance(file, "asperities").has_value();
-  };
-  const auto first = std::find_if(files.begin(), files.end(), is_simulated);
-  const auto other = std::find_if(files.begin(), files.end(),
-                                  [&](const std::string& file) { return fs::exists(file) && !is_simulated(file); });
-  if (first != files.end() && other != files.end())
-    throw InvalidArgument(printable(*first) + ": was simulated, " + printable(*other) +
-                          " was not; take them one by one, or say what air there was (--air)");
-  return first != files.end();
-}
-
 }  // namespace
 
 void keep_conditions_of(const std::vector<std::string>& files, Parameters& parameters) {
@@ -86,10 +73,10 @@ BallChoice with_provenance(BallChoice choice, const std::vector<std::string>& fi
 RestitutionOptions with_conditions_of(const std::vector<std::string>& files, RestitutionOptions options,
                                       const Given& given) {
   options.world = with_provenance(options.world, files);
-  if (!given.contains("air") && are_simulated(files)) {
-    // contacts of a simulation take no time, and there may be no air
+  // contacts of a simulation, which alone says whether there was drag, take no time, and there may be no air
+  if (const std::string drag = given.contains("air") ? "" : common_parameter(files, "drag", "air"); !drag.empty()) {
     options.config.instant_contacts = true;
-    if (common_parameter(files, "drag", "air") != "true") options.config.air_kgpm3 = 0.0;
+    if (drag != "true") options.config.air_kgpm3 = 0.0;
   }
   if (given.contains("gravity")) return options;
   const std::string text = common_parameter(files, "gravity", "gravity");

@@ -83,10 +83,6 @@ std::string describe_all(const Recordings& recordings) {
 /// What went wrong with the recordings as a whole: exit code and error of the outcome.
 void conclude(const Recordings& recordings, bool found_any, Outcome& outcome) {
   const auto n_unreadable = std::count_if(recordings.begin(), recordings.end(), is_unreadable);
-  const std::size_t n_others = recordings.size() - 1;
-  const std::string others = n_others == 0   ? ""
-                             : n_others == 1 ? " (nor is a ball in the other recording)"
-                                             : fmt::format(" (nor is a ball in the {} other recordings)", n_others);
   if (n_unreadable > 0) {
     const detection::RecordingDetection& first = *std::find_if(recordings.begin(), recordings.end(), is_unreadable);
     outcome.exit_code = kFileError;
@@ -97,9 +93,9 @@ void conclude(const Recordings& recordings, bool found_any, Outcome& outcome) {
     if (readable != recordings.end()) {
       outcome.exit_code = kNotUsable;
       outcome.error = fmt::format(
-          "{}: {}{}; no impacts were written. Listen to it: is it the right recording and channel? Impacts "
+          "{}: {}; no impacts were written. Listen to it: is it the right recording and channel? Impacts "
           "that you mark by hand can be analyzed too: bouncelab times.csv",
-          name_of(readable->recording), found_in(*readable), others);
+          name_of(readable->recording), found_in(*readable));
     }
     outcome.text.clear();
   } else if (n_unreadable > 0) {

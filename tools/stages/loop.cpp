@@ -2,13 +2,11 @@
 #include "stages/stages.hpp"
 
 #include <fmt/format.h>
-#include <sys/resource.h>
 
 #include <algorithm>
 #include <filesystem>
 #include <functional>
 
-#include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/files.hpp"
 #include "bouncelab/core/parallel.hpp"
@@ -22,14 +20,6 @@ namespace bouncelab::stages {
 namespace {
 
 namespace fs = std::filesystem;
-
-using SecondsByStage = loop::StageClock::SecondsByStage;
-
-/// What a loop cost, beside its clock.
-struct LoopWork {
-  double sound_s = 0.0;
-  double peak_memory_bytes = 0.0;
-};
 
 std::string cell(const std::optional<fit::Estimate>& estimate) {
   return estimate ? fit::in_words(estimate->value, estimate->se) : "-";
@@ -65,34 +55,6 @@ std::string onsets_text(const detection::OnsetScore& s) {
   return text;
 }
 
-std::string slope_cell(const fit::Estimate& e) {
-  return fmt::format("{:>7.0f} ± {:<4.0f}", e.value, e.se.value_or(0.0));
-}
-
-std::string pair_text(const loop::SlopePair& pair) {
-  return fmt::format("{} {}  {:>6.3f}", slope_cell(pair.simulation), slope_cell(pair.sound), pair.ratio);
-}
-
-std::string reservoir_text(const loop::ReservoirCheck& r) {
-  std::string text = fmt::format(
-      "\nEnergy in spin and sideways motion (twice, per mass; {:.0f}% of it spin) of {} drops, from sound against "
-      "simulated:\n"
-      "  correlation {:.6f}, rms difference {:.2g} of {:.2g} m2/s2; expected from timing and contact's offset {:.1g}",
-      100.0 * r.spin_share, r.drops.size(), r.correlation, r.rms_difference_m2ps2, r.rms_simulated_m2ps2,
-      hypot(r.expected_timing_m2ps2, r.expected_offset_m2ps2));
-  if (r.expected_law_m2ps2)
-    text += fmt::format(", from the law {} {:.2g}", r.with_memory ? "fitted with memory" : "of independent impacts",
-                        *r.expected_law_m2ps2);
-  return text + "\n";
-}
-
-/// A value of a sweep's point, formatted; "-" where it is not known.
-std::string cell(const loop::SweepPoint& point, const std::string& name, const char* format, double scale = 1.0) {
-  for (const loop::SweepValue& v : point.values)
-    if (v.name == name && v.value) return fmt::format(fmt::runtime(format), scale * *v.value);
-  return "-";
-}
-
 /// Spread of eps against speed, as the budget has it.
 Object spread_of(const fit::FitResult& fit) {
   std::vector<double> v_mps, spread;
@@ -104,20 +66,13 @@ Object spread_of(const fit::FitResult& fit) {
 }
 
 /// summary.json of `loop`.
-/// @param work  absent: without times and memory, which differ from run to run
-Object loop_summary(const loop::LoopScore& score, const loop::LoopResult& loop, const std::vector<Note>& notes,
-                    const std::optional<LoopWork>& work = {}) {
+Object loop_summary(const loop::LoopScore& score, const loop::LoopResult& loop, const std::vector<Note>& notes) {
   Object summary = object_of(score);
   if (loop.theory) summary.emplace_back("theory", value_of(*loop.theory));
   if (loop.reservoir) summary.emplace_back("reservoir", value_of(*loop.reservoir));
   if (loop.section.n_asperities > 0) summary.emplace_back("ball", value_of(loop.section));
   summary.emplace_back("notes", report::values_of(notes));
-  if (work) {
-    summary.emplace_back("seconds", value_of(loop.clock.wall_s()));
-    summary.emplace_back("sound_s", work->sound_s);
-    summary.emplace_back("processor_seconds", value_of(loop.clock.processor_s()));
-    summary.emplace_back("peak_memory_bytes", work->peak_memory_bytes);
-  }
+  summary.emplace_back("sound_s", loop::sound_s(loop));
   return summary;
 }
 
@@ -137,7 +92,7 @@ Object paper_results(const loop::LoopResult& loop, const std::vector<loop::Slope
           {"energy_shares", as_lists(loop.shares)}};
 }
 
-std::string loop_text(const loop::LoopScore& score, const loop::LoopResult& loop) {
+std::string loop_text(const loop::LoopScore& score) {
   std::string text = onsets_text(score.onsets);
   text += "\n" + row("", {"truth", "from true times", "from sound"});
   for (const loop::ComparedNode& n : score.nodes)
@@ -151,54 +106,17 @@ std::string loop_text(const loop::LoopScore& score, const loop::LoopResult& loop
     text += row(fmt::format("rising slope at {:g} m/s", s.v_mps), "", s.rising);
     text += row(fmt::format("falling slope at {:g} m/s", s.v_mps), "", s.falling);
   }
-  if (loop.reservoir) text += reservoir_text(*loop.reservoir);
-  text += "\nSeconds:";
-  for (const auto& [stage, s] : loop.clock.wall_s()) text += fmt::format(" {} {:.1f}", stage, s);
-  return text + "\n";
+  return text;
 }
 
-/// Slopes and conclusions.
-std::string paper_text(const std::vector<loop::SlopeWindow>& slopes,
-                       const std::vector<report::Conclusion>& conclusions) {
-  std::string text =
-      "\nSlopes of p(eps)              rising                                falling\n"
-      "  window     simulation       sound        ratio    simulation       sound        ratio\n";
-  for (const loop::SlopeWindow& w : slopes)
-    text += fmt::format("  {:.1f} m/s {}  {}\n", w.v_mps, pair_text(w.rising), pair_text(w.falling));
-  text += "\nWhat the paper concludes\n";
+std::string paper_text(const std::vector<report::Conclusion>& conclusions) {
+  std::string text = "\nWhat the paper concludes\n";
   for (const report::Conclusion& c : conclusions) {
     text += fmt::format("  {:<14} {}: ", c.holds ? "holds" : "DOES NOT HOLD", c.claim);
     text += c.value ? fmt::format("{:.4g}", *c.value) : "not known";
     if (c.ci95) text += fmt::format(" [{:.4g}, {:.4g}]", c.ci95->lo, c.ci95->hi);
     text += fmt::format(" ({}; {})\n", c.measure, c.detail);
   }
-  return text;
-}
-
-/// Processor time by stage, per hour of sound and per impact; memory.
-std::string work_text(const LoopWork& work, const SecondsByStage& processor_s, std::size_t n_impacts) {
-  const double hours = work.sound_s / 3600.0;
-  std::string text = fmt::format("\n{:.2f} h of sound; peak memory {:.0f} MB\nProcessor time by stage\n", hours,
-                                 work.peak_memory_bytes / 1e6);
-  for (const auto& [stage, s] : processor_s)
-    text += fmt::format("  {:<22}{:8.2f} s {:8.3f} s per hour of sound {:8.2f} us per impact\n", stage, s, s / hours,
-                        1e6 * s / static_cast<double>(n_impacts));
-  return text;
-}
-
-std::string sweep_text(const std::vector<loop::SweepPoint>& points) {
-  std::size_t width = 8;
-  for (const loop::SweepPoint& point : points) width = std::max(width, loop::text_of(point.settings).size());
-  std::string text = fmt::format("{:<{}} {:>7} {:>9} {:>9} {:>15} {:>15}  {}\n", "settings", width, "recall",
-                                 "precision", "rms us", "rising .6 m/s", "falling .6 m/s", "failure");
-  for (const loop::SweepPoint& point : points)
-    text += fmt::format(
-        "{:<{}} {:>7} {:>9} {:>9} {:>15} {:>15}  {}\n", loop::text_of(point.settings), width,
-        cell(point, "recall", "{:.4f}"), cell(point, "precision", "{:.4f}"),
-        cell(point, "time_rms_within_drops_s", "{:.2f}", 1e6),
-        cell(point, "slope_rising_0.6_sound", "{:.0f}") + " ± " + cell(point, "se_slope_rising_0.6_sound", "{:.0f}"),
-        cell(point, "slope_falling_0.6_sound", "{:.0f}") + " ± " + cell(point, "se_slope_falling_0.6_sound", "{:.0f}"),
-        point.failure);
   return text;
 }
 
@@ -216,12 +134,6 @@ std::vector<std::string> outputs_of(const LoopOptions& options) {
                         : std::vector<std::string>{"recording.wav", "wave.json"};
   names.insert(names.end(), more.begin(), more.end());
   return names;
-}
-
-double peak_memory_bytes() {
-  rusage usage{};
-  ::getrusage(RUSAGE_SELF, &usage);
-  return 1024.0 * static_cast<double>(usage.ru_maxrss);
 }
 
 void write_tables(const loop::LoopResult& loop, const fs::path& folder, const Run& run) {
@@ -362,7 +274,13 @@ Outcome run_sweep(const LoopOptions& options, const Run& run) {
   const Object sweep{{"lists", lists}, {"points", value_of(points)}};
   write_text(run, folder / "sweep.json", json_text(sweep, 1) + "\n", inputs);
   const Outcome shown = run_report({folder, folder / "report.html", "Sweep: results for each combination"}, run);
-  return {kDone, sweep, sweep_text(points) + shown.text, {}, ""};
+  const auto n_failed =
+      std::count_if(points.begin(), points.end(), [](const auto& point) { return !point.failure.empty(); });
+  return {kDone,
+          sweep,
+          fmt::format("{} combinations, {} of them with trouble\n", points.size(), n_failed) + shown.text,
+          {},
+          ""};
 }
 
 }  // namespace
@@ -373,9 +291,8 @@ Outcome run_loop(const LoopOptions& options, const Run& run) {
   loop_config(options, run.common, is_paper(options));  // what is wrong with it is said before there is a folder
   const OutputFolder output_folder(folder);
   check_loop_files(options, outputs_of(options), run);
-  loop::LoopResult result = loop::run_loop(config_of_run(options, run), stage_progress(run));
+  const loop::LoopResult result = loop::run_loop(config_of_run(options, run), stage_progress(run));
 
-  loop::StageClock& clock = result.clock;
   const loop::LoopScore score =
       loop::score_loop(static_cast<std::size_t>(result.simulation.n_drops), result.rough.score, result.simulation.law,
                        result.true_times, result.sound);
@@ -383,37 +300,24 @@ Outcome run_loop(const LoopOptions& options, const Run& run) {
   const std::vector<report::Conclusion> conclusions = report::paper_conclusions(
       result.sound, is_paper(options) ? &result.smooth_sound : nullptr, result.simulation.law);
   const report::FitInWords words = report::in_words(result.sound, result.samples_sound);
-  Run again = run;  // the summary is written twice
-  again.common.force = true;
-  const auto write_summary = [&](const Object& summary) {
-    write_text(again, folder / "summary.json", json_text(summary, 2) + "\n",
-               {folder / "onsets.csv", folder / "fit.json"});
-  };
-  clock.time("write", [&] {
-    write_tables(result, folder, run);
-    write_fits(result, words, folder, run);
-    if (is_paper(options))
-      write_text(run, folder / "paper.json", json_text(paper_results(result, slopes, conclusions), 1) + "\n",
-                 {folder / "fit.json"});
-    else
-      write_recording(result, folder, run);
-    write_summary(loop_summary(score, result, words.notes));
-  });
-  const Outcome shown = clock.time("report", [&] {
-    return run_report({folder, folder / "report.html",
-                       is_paper(options) ? "The paper's experiment, through sound and back"
-                                         : "The closed loop: what went in and what came out"},
-                      run);
-  });
-  // times and memory differ from run to run: they go into the summary alone, when everything else is written
-  const LoopWork work{loop::sound_s(result), peak_memory_bytes()};
   Outcome outcome;
-  outcome.result = loop_summary(score, result, words.notes, work);
-  write_summary(outcome.result);
-  outcome.notes = words.notes;
-  outcome.text = ball_line(options.scene.world) + loop_text(score, result);
+  outcome.result = loop_summary(score, result, words.notes);
+  write_tables(result, folder, run);
+  write_fits(result, words, folder, run);
   if (is_paper(options))
-    outcome.text += paper_text(slopes, conclusions) + work_text(work, clock.processor_s(), score.onsets.n_true);
+    write_text(run, folder / "paper.json", json_text(paper_results(result, slopes, conclusions), 1) + "\n",
+               {folder / "fit.json"});
+  else
+    write_recording(result, folder, run);
+  write_text(run, folder / "summary.json", json_text(outcome.result, 2) + "\n",
+             {folder / "onsets.csv", folder / "fit.json"});
+  const Outcome shown = run_report({folder, folder / "report.html",
+                                    is_paper(options) ? "The paper's experiment, through sound and back"
+                                                      : "The closed loop: what went in and what came out"},
+                                   run);
+  outcome.notes = words.notes;
+  outcome.text = ball_line(options.scene.world) + loop_text(score);
+  if (is_paper(options)) outcome.text += paper_text(conclusions);
   outcome.text += shown.text;
   if (!result.sound.law.law) {
     outcome.exit_code = kNotUsable;

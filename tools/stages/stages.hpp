@@ -86,8 +86,6 @@ Outcome detection_outcome(const Recordings& recordings, std::vector<Note> notes)
 Outcome run_detect(const DetectOptions& options, const Run& run);
 
 std::vector<Section> sections_of(RestitutionOptions& options);
-/// What the options describe, with the positions of their file. @throws InvalidArgument, FileError
-fit::RestitutionConfig restitution_config(const RestitutionOptions& options);
 
 /// What --json prints.
 Object summary_of(const fit::RestitutionCounts& counts, const fit::RestitutionConfig& config);
@@ -124,17 +122,6 @@ Outcome fit_outcome(const fit::FitResult& result, const report::FitInWords& word
 /// What is known is written whatever the exit code.
 Outcome run_fit(const FitOptions& options, const Run& run);
 
-struct RoughnessOptions {
-  std::vector<std::string> samples;  ///< files
-  std::string out;                   ///< empty: none
-  fit::RoughnessConfig config;
-  BallChoice world;  ///< in place of what the samples say
-};
-
-std::vector<Section> sections_of(RoughnessOptions& options);
-/// Exit code 1 where the scatter is not that of a rough ball, or there are too few impacts to know.
-Outcome run_roughness(const RoughnessOptions& options, const Run& run);
-
 struct LoopOptions {
   std::string preset = "quick";
   std::string out;
@@ -155,20 +142,16 @@ void apply_loop_preset(LoopOptions& options, Run& run);
 struct ReportOptions {
   std::string folder;  ///< with fit.json, and summary.json, samples.csv, wave.json where they exist
   std::string out;
-  std::string title;      ///< empty: named after the folder
-  std::string figures{};  ///< folder for each figure as SVG and PDF; empty: none
+  std::string title;  ///< empty: named after the folder
 };
+
+/// Its last part: where it lies says nothing to a reader.
+std::string name_of_folder(const std::filesystem::path& folder);
 
 Outcome run_report(const ReportOptions& options, const Run& run);
 
-/// Is this a fit.json, of whatever version? What is not text that can be read is none.
+/// Is this a fit.json? Those of 0.2 have no curve.
 bool is_fit(const std::string& content);
-/// A file of a fit that states another eps than this version is not used.
-/// @param content  fit.json
-/// @param path     its name
-/// @throws FileError where it was written before 0.3, when eps was the most frequent one
-void refuse_older_fit(const std::string& content, const std::string& path);
-
 struct ValidateOptions {
   std::vector<std::string> detectors;   ///< commands, or builtin
   std::vector<std::string> recordings;  ///< files and folders of sound; empty: synthesized

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
@@ -26,59 +25,6 @@
 
 namespace bouncelab::stages {
 namespace {
-
-/// Whole drops from a file: rows are read in pieces that begin with a drop.
-class FileDrops {
- public:
-  explicit FileDrops(const std::filesystem::path& path)
-      : name_(input_name(path)), reader_(open_table(path, impact_columns())) {}
-
-  bool next(Impacts& drop) {
-    while (!at_end_ && (first_ == rows_.rows.size() || rows_.rows[first_].drop == rows_.rows.back().drop)) read_more();
-    if (first_ == rows_.rows.size()) return false;
-    std::size_t last = first_;
-    while (last < rows_.rows.size() && rows_.rows[last].drop == rows_.rows[first_].drop) ++last;
-    drop = stretch(first_, last);
-    first_ = last;
-    return true;
-  }
-
- private:
-  Impacts stretch(std::size_t first, std::size_t last) const {
-    const auto part = [&](const auto& values) {
-      return std::decay_t<decltype(values)>(values.begin() + static_cast<std::ptrdiff_t>(first),
-                                            values.begin() + static_cast<std::ptrdiff_t>(last));
-    };
-    return {part(rows_.rows), rows_.states.empty() ? std::vector<ImpactState>{} : part(rows_.states)};
-  }
-  /// Appends a piece to what is left of the one before.
-  void read_more() {
-    const Table table = reader_.next(kPiece_rows);
-    at_end_ = table.n_rows() < kPiece_rows;
-    if (table.n_rows() == 0) return;
-    const Impact* before = rows_.rows.empty() ? nullptr : &rows_.rows.back();
-    const Impacts more = impacts_from_table(table, name_, before);
-    if (first_ > 0) rows_ = stretch(first_, rows_.rows.size());
-    first_ = 0;
-    rows_.rows.insert(rows_.rows.end(), more.rows.begin(), more.rows.end());
-    rows_.states.insert(rows_.states.end(), more.states.begin(), more.states.end());
-  }
-
-  std::string name_;
-  TableReader reader_;
-  Impacts rows_;
-  std::size_t first_ = 0;
-  bool at_end_ = false;
-};
-
-/// The drops of an impacts table, read in pieces as they are asked for.
-/// @throws FileError, while drops are taken
-synthesis::DropSource impact_file(const std::filesystem::path& path) {
-  return [path, drops = std::shared_ptr<FileDrops>()](std::int64_t k, Impacts& drop) mutable {
-    if (k == 0) drops = std::make_shared<FileDrops>(path);
-    return drops->next(drop);
-  };
-}
 
 std::filesystem::path beside(const std::filesystem::path& out, const std::string& ending) {
   return out.parent_path() / (out.stem().string() + ending);
@@ -126,10 +72,6 @@ class TruthFiles {
   std::unique_ptr<TableWriter> others_;
 };
 
-[[noreturn]] void refuse(const synthesis::OffThePlate& error) {
-  throw InvalidArgument(std::string(error.what()) + ": simulate --plate-size X,Y, or --positions drawn here");
-}
-
 /// A lossy coding and the file in which it keeps its clock.
 struct Codec {
   std::string name, encoder, container;
@@ -143,8 +85,7 @@ Codec codec_of(const std::string& text) {
   const std::string_view kbits = all.substr(std::min(colon + 1, all.size()));
   for (Codec codec : {Codec{"aac", "aac", "mp4"}, Codec{"mp3", "libmp3lame", "mp3"}, Codec{"opus", "libopus", "ogg"},
                       Codec{"vorbis", "libvorbis", "ogg"}}) {
-    const auto [end, status] = std::from_chars(kbits.data(), kbits.data() + kbits.size(), codec.kbits_per_s);
-    const bool is_number = status == std::errc{} && end == kbits.data() + kbits.size();
+    const bool is_number = parse_number(kbits, codec.kbits_per_s) == std::errc{};
     if (codec.name == all.substr(0, colon) && is_number && codec.kbits_per_s >= 6 && codec.kbits_per_s <= 512)
       return codec;
   }
@@ -198,49 +139,28 @@ void write_coded(const std::filesystem::path& sound, const Codec& codec, const a
 }
 
 synthesis::SynthesisResult make_sound(const SynthesizeOptions& options, const synthesis::SynthesisConfig& config,
-                                      TruthFiles& truth, const Run& run) {
+                                      const Impacts& impacts, TruthFiles& truth, const Run& run) {
   const std::filesystem::path out = options.out;
+  const synthesis::DropSource drops = synthesis::drops_of(impacts);
+  if (options.each_drop)
+    return synthesis::synthesize_each_drop(
+        drops, config, out, run.common.force, [&](const synthesis::DropTruth& drop) { truth.add(drop); },
+        progress_line(run, "synthesize", "impacts"));
   const auto synthesize_to = [&](const std::filesystem::path& sound) {
     const auto add_truth = [&](const synthesis::DropTruth& drop) { truth.add({out, drop.impacts, drop.others}); };
-    return synthesis::synthesize(impact_file(options.impacts), config, sound, run.common.force, add_truth,
+    return synthesis::synthesize(drops, config, sound, run.common.force, add_truth,
                                  progress_line(run, "synthesize", "s of sound"));
   };
-  try {
-    if (options.codec == "none") return synthesize_to(out);
-    const Codec codec = codec_of(options.codec);
-    ffmpeg_for_codec();
-    const audio::AudioSpec spec{config.rate_hz, static_cast<int>(config.channels.size()), config.encoding};
-    audio::validate(out, spec);
-    const ScratchFolder scratch;
-    const std::filesystem::path sound = scratch.path() / "sound.wav";
-    synthesis::SynthesisResult result = synthesize_to(sound);
-    write_coded(sound, codec, spec, std::llround(result.duration_s * config.rate_hz), out, run.common.force);
-    return result;
-  } catch (const synthesis::OffThePlate& error) {
-    refuse(error);
-  }
-}
-
-/// Those that --each-drop makes, known before any is made.
-std::vector<std::filesystem::path> recordings_of_drops(const SynthesizeOptions& options) {
-  std::vector<std::filesystem::path> recordings;
-  const synthesis::DropSource drops = impact_file(options.impacts);
-  Impacts drop;
-  for (std::int64_t k = 0; drops(k, drop); ++k)
-    recordings.push_back(synthesis::path_of_drop(options.out, drop.rows.front().drop));
-  return recordings;
-}
-
-/// One recording for each drop.
-synthesis::SynthesisResult each_drop(const SynthesizeOptions& options, const synthesis::SynthesisConfig& config,
-                                     TruthFiles& truth, const Run& run) {
-  try {
-    return synthesis::synthesize_each_drop(
-        impact_file(options.impacts), config, options.out, run.common.force,
-        [&](const synthesis::DropTruth& drop) { truth.add(drop); }, progress_line(run, "synthesize", "impacts"));
-  } catch (const synthesis::OffThePlate& error) {
-    refuse(error);
-  }
+  if (options.codec == "none") return synthesize_to(out);
+  const Codec codec = codec_of(options.codec);
+  ffmpeg_for_codec();
+  const audio::AudioSpec spec{config.rate_hz, static_cast<int>(config.channels.size()), config.encoding};
+  audio::validate(out, spec);
+  const ScratchFolder scratch;
+  const std::filesystem::path sound = scratch.path() / "sound.wav";
+  synthesis::SynthesisResult result = synthesize_to(sound);
+  write_coded(sound, codec, spec, std::llround(result.duration_s * config.rate_hz), out, run.common.force);
+  return result;
 }
 
 }  // namespace
@@ -287,14 +207,23 @@ Outcome run_synthesize(const SynthesizeOptions& options, const Run& run) {
                           std::string(options.each_drop ? "--each-drop" : "a stream"));
   const std::filesystem::path truth =
       options.truth.empty() ? beside(out, ".truth.csv") : std::filesystem::path(options.truth);
-  std::vector<std::filesystem::path> outputs{out}, others;
-  if (options.each_drop) outputs = recordings_of_drops(options);
+  const Impacts impacts =
+      impacts_from_table(read_table(options.impacts, impact_columns()), input_name(options.impacts));
+  std::vector<std::filesystem::path> outputs, others;
+  if (!options.each_drop) outputs.push_back(out);
+  for (const Impact& impact : impacts.rows)
+    if (options.each_drop && (&impact == impacts.rows.data() || (&impact)[-1].drop != impact.drop))
+      outputs.push_back(synthesis::path_of_drop(out, impact.drop));
   for (const std::filesystem::path& recording : outputs) others.push_back(others_path(recording, truth));
   outputs.push_back(truth);
   check_files(run, {options.impacts}, outputs, others);
   TruthFiles files(run, truth, options.impacts);
-  const synthesis::SynthesisResult result =
-      options.each_drop ? each_drop(options, config, files, run) : make_sound(options, config, files, run);
+  synthesis::SynthesisResult result;
+  try {
+    result = make_sound(options, config, impacts, files, run);
+  } catch (const synthesis::OffThePlate& error) {
+    throw InvalidArgument(std::string(error.what()) + ": simulate --plate-size X,Y, or --positions drawn here");
+  }
   files.finish();
 
   Outcome outcome;

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <filesystem>
 #include <optional>
-#include <set>
 #include <utility>
 
 #include "bouncelab/core/error.hpp"
@@ -188,17 +187,6 @@ Outcome run_marks(const ValidateOptions& options) {
   return outcome;
 }
 
-/// Deletes what a former run wrote in a folder, told from a user's own files by an option of validate in its
-/// provenance.
-void remove_former(const fs::path& folder, const std::set<fs::path>& kept) {
-  std::vector<fs::path> files;
-  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder))
-    if (entry.is_regular_file() && parameter_in_provenance(entry.path(), "offset-only") &&
-        !kept.contains(fs::weakly_canonical(entry.path())))
-      files.push_back(entry.path());
-  for (const fs::path& file : files) fs::remove(file), fs::remove(provenance_path(file));
-}
-
 /// What was given and would have no effect is refused.
 void check_usage(const ValidateOptions& options, const Run& run) {
   const bool has_marks = !options.marks.empty();
@@ -307,13 +295,6 @@ Outcome run_validate(const ValidateOptions& options, const Run& run) {
   if (is_synthesized) fs::create_directories(sounds);
   for (std::size_t d = 0; d < detectors.size(); ++d) fs::create_directories(marks_folder / std::to_string(d + 1));
   check_files(run, inputs, outputs);
-  if (run.common.force) {
-    std::set<fs::path> kept;
-    for (const std::vector<fs::path>* files : {&inputs, &outputs})
-      for (const fs::path& file : *files) kept.insert(fs::weakly_canonical(file));
-    remove_former(marks_folder, kept);
-    if (is_synthesized) remove_former(sounds, kept);
-  }
   if (is_synthesized) {
     make_sound(options, cases, sounds, run);
     read_truths();

@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <charconv>
 #include <cstring>
 #include <map>
 #include <optional>
@@ -27,13 +26,10 @@ constexpr int kMostLinks = 40;  // as the kernel
 
 /// The number N of /proc/PID/fd/N where PID is this process: what /dev/stdin, /dev/fd/N and links to them lead to.
 std::optional<int> own_descriptor(const fs::path& path) {
-  std::error_code error;
-  if (path.parent_path() != fs::path("/proc") / std::to_string(::getpid()) / "fd") return std::nullopt;
-  const std::string number = path.filename().string();
   int descriptor = -1;
-  const auto [end, status] = std::from_chars(number.data(), number.data() + number.size(), descriptor);
-  if (status != std::errc{} || end != number.data() + number.size() || descriptor < 0) return std::nullopt;
-  return descriptor;
+  if (path.parent_path() != fs::path("/proc") / std::to_string(::getpid()) / "fd") return std::nullopt;
+  const bool is_number = parse_number(path.filename().string(), descriptor) == std::errc{} && descriptor >= 0;
+  return is_number ? std::optional(descriptor) : std::nullopt;
 }
 
 /// The folder's links followed, the last name as it is.
@@ -51,6 +47,13 @@ FileTarget::Kind kind_of(mode_t mode) {
 
 FileTarget described(const struct stat& status, fs::path path) {
   return {kind_of(status.st_mode), std::move(path), -1, status.st_dev, status.st_ino, status.st_mode};
+}
+
+/// The same for names of the same file: thousands of inputs are compared with each other.
+using Identity = std::pair<std::pair<dev_t, ino_t>, fs::path>;
+Identity identity_of(const FileTarget& target) {
+  if (target.kind == FileTarget::Kind::absent) return {{0, 0}, target.path};
+  return {{target.device, target.inode}, {}};
 }
 
 FileTarget target_of_descriptor(int descriptor, const std::string& name) {
@@ -91,22 +94,11 @@ FileTarget target_of(const fs::path& path, int descriptor_of_dash) {
   throw FileError(name, "is a loop of links; name a file");
 }
 
-bool same_file(const FileTarget& a, const FileTarget& b) {
-  const bool a_exists = a.kind != FileTarget::Kind::absent, b_exists = b.kind != FileTarget::Kind::absent;
-  if (a_exists && b_exists) return a.device == b.device && a.inode == b.inode;
-  return a_exists == b_exists && a.path == b.path;
-}
+bool same_file(const FileTarget& a, const FileTarget& b) { return identity_of(a) == identity_of(b); }
 
 // ---- no output is an input
 
 namespace {
-
-/// The same for names of the same file: thousands of inputs are compared with each other.
-using Identity = std::pair<std::pair<dev_t, ino_t>, fs::path>;
-Identity identity_of(const FileTarget& target) {
-  if (target.kind == FileTarget::Kind::absent) return {{0, 0}, target.path};
-  return {{target.device, target.inode}, {}};
-}
 
 /// What is wrong with an input is left to its reader.
 FileTarget target_of_input(const fs::path& path) {

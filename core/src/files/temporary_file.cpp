@@ -3,7 +3,6 @@
 
 #include <fcntl.h>
 #include <poll.h>
-#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -129,62 +128,6 @@ std::string ScratchFile::at(std::int64_t first, std::size_t n) const {
     done += static_cast<std::size_t>(got);
   }
   return bytes;
-}
-
-// ---- one run at a time in a folder
-
-namespace {
-
-/// A lock on an open file, against every other opening of it on this machine and, where the file system can, on others.
-/// It ends with the descriptor, and so with the process, however that ends.
-bool is_locked_by_another(int descriptor) {
-  return ::flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;  // else the file system has no locks
-}
-
-/// Whether an open file is still the one that has this name.
-bool has_name(int descriptor, const fs::path& path) {
-  struct stat opened {
-  }, named{};
-  return ::fstat(descriptor, &opened) == 0 && ::lstat(path.c_str(), &named) == 0 && opened.st_dev == named.st_dev &&
-         opened.st_ino == named.st_ino;
-}
-
-std::string content_of(int descriptor) {
-  char text[32];
-  const ssize_t n = ::pread(descriptor, text, sizeof text, 0);
-  std::string content(text, n > 0 ? static_cast<std::size_t>(n) : 0);
-  return content.substr(0, content.find('\n'));
-}
-
-}  // namespace
-
-struct FolderLock::State {
-  fs::path path;
-  Descriptor file;
-
-  ~State() { ::unlink(path.c_str()); }
-};
-
-FolderLock::FolderLock(const fs::path& folder) {
-  const fs::path path = folder / ".bouncelab.lock";
-  for (;;) {
-    Descriptor file(::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0644));
-    if (!file.is_open())
-      throw FileError(folder.string(), "nothing can be written in this folder (" + std::string(std::strerror(errno)) +
-                                           "); choose another one or check its permissions");
-    if (is_locked_by_another(file.get()))
-      throw FileError(folder.string(), "another bouncelab (process " + content_of(file.get()) +
-                                           ") is at work in this folder; wait for it, or choose another folder");
-    // the one that had it deletes the file before it lets go
-    if (!has_name(file.get(), path)) continue;
-    // of a run that was killed it stays, and whoever shares the folder must be able to take it
-    if (::fchmod(file.get(), 0666) != 0) errno = 0;
-    const std::string number = std::to_string(::getpid()) + "\n";
-    if (::ftruncate(file.get(), 0) != 0 || write_all(file.get(), number.data(), number.size()) != 0)
-      errno = 0;  // a full disk: only the number is missing in the message of the one that is refused
-    state_.reset(new State{path, std::move(file)});
-    return;
-  }
 }
 
 }  // namespace bouncelab

@@ -36,14 +36,6 @@ double speed_factor(const ImpactConditions& at) { return 1.0 + at.v_mps * at.eps
 /// I1(z)/I0(z), in [0, 1).
 double bessel_ratio(double z) { return scaled_bessel_i(1, z) / scaled_bessel_i(0, z); }
 
-/// Variance of cos(phi) where phi has the density exp(-z cos phi)/(2 pi I0(z)). Relative error 1e-7.
-double cosine_variance(double z) {
-  if (z < 1e-8) return 0.5;
-  if (z > 3e3) return (0.5 + 0.25 / z) / (z * z);  // the first two terms of what cancels below
-  const double ratio = bessel_ratio(z);
-  return 1.0 - ratio / z - ratio * ratio;
-}
-
 /// Probability of a standard normal above z.
 double normal_above(double z) { return 0.5 * std::erfc(z / std::numbers::sqrt2); }
 
@@ -123,13 +115,6 @@ double Fluctuation::reservoir_after(double r) const {
   const double t2 = mean_square_offset(r), p = kick(r), y = r / (1.0 + at_.eps);
   const double x = (y + t2 + y * t2) / f_;  // the contact approaches at v (1 + x)
   return std::max(0.0, at_.reservoir_m2ps2 - 2.0 * p * at_.v_mps * x + p * p * t2);
-}
-
-double Fluctuation::reservoir_sd(double r) const {
-  // |t|^2 depends on phi by 2 q a b cos(phi), and w' on |t|^2 linearly
-  const double z = centre_ * radius(r), p = kick(r);
-  const double slope = p * p - 2.0 * p * at_.v_mps * (1.0 + r / (1.0 + at_.eps)) / f_;
-  return std::abs(slope) * 2.0 * q_ * z * std::sqrt(cosine_variance(z));
 }
 
 double FluctuationSides::log_density(double r) const {

@@ -3,8 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iomanip>
-#include <sstream>
 
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/error.hpp"
@@ -89,24 +87,16 @@ void check(const TableLaw& law) {
 }
 
 std::string text(const SeriesLaw& law) {
-  std::ostringstream out;
+  std::string text;
   for (std::size_t i = 0; i < law.a.size(); ++i)
     if (kViscoelasticC[i] != 0.0 && law.a[i] != 0.0)
-      out << (out.tellp() > 0 ? ", " : "") << "A" << i << " = " << std::setprecision(10) << law.a[i];
-  return out.tellp() > 0 ? out.str() : "eps = 1";
+      text += (text.empty() ? "A" : ", A") + formatted("%zu = %.10g", i, law.a[i]);
+  return text.empty() ? "eps = 1" : text;
 }
 
-std::string text(const ViscoelasticLaw& law) {
-  std::ostringstream out;
-  out << "viscoelastic, gamma = " << std::setprecision(10) << law.gamma;
-  return out.str();
-}
+std::string text(const ViscoelasticLaw& law) { return formatted("viscoelastic, gamma = %.10g", law.gamma); }
 
-std::string text(const ConstantLaw& law) {
-  std::ostringstream out;
-  out << "eps = " << std::setprecision(10) << law.eps;
-  return out.str();
-}
+std::string text(const ConstantLaw& law) { return formatted("eps = %.10g", law.eps); }
 
 std::string text(const TableLaw& law) { return "table of " + std::to_string(law.v_mps.size()) + " points"; }
 
@@ -138,8 +128,7 @@ namespace {
 template <class T>
 T number(std::string_view part, std::string_view text) {
   T value{};
-  const auto [end, status] = bouncelab::from_chars(part.data(), part.data() + part.size(), value);
-  if (status != std::errc{} || end != part.data() + part.size()) refuse(text);
+  if (parse_number(part, value) != std::errc{}) refuse(text);
   return value;
 }
 

@@ -203,17 +203,14 @@ struct TableReader::State {
   struct Source {
     std::size_t cell, column;  // position in the line and in the table
   };
-  std::ifstream file;
+  std::shared_ptr<std::istream> in;
   CsvRows rows;
   Table empty;
   std::vector<Source> sources;
   std::size_t n_cells = 0;
 
-  State(std::istream& in, const std::string& name, const std::vector<ColumnSpec>& wanted) : rows(LineReader(in, name)) {
-    read_header(wanted);
-  }
-  State(std::ifstream&& in, const std::string& name, const std::vector<ColumnSpec>& wanted)
-      : file(std::move(in)), rows(LineReader(file, name)) {
+  State(std::shared_ptr<std::istream> from, const std::string& name, const std::vector<ColumnSpec>& wanted)
+      : in(std::move(from)), rows(LineReader(*in, name)) {
     read_header(wanted);
   }
 
@@ -256,9 +253,9 @@ struct TableReader::State {
 };
 
 TableReader::TableReader(std::istream& in, const std::string& name, const std::vector<ColumnSpec>& wanted)
-    : state_(std::make_shared<State>(in, name, wanted)) {}
+    : state_(std::make_shared<State>(std::shared_ptr<std::istream>(&in, [](std::istream*) {}), name, wanted)) {}
 TableReader::TableReader(const std::filesystem::path& path, const std::vector<ColumnSpec>& wanted)
-    : state_(std::make_shared<State>(open_text(path), input_name(path), wanted)) {}
+    : state_(std::make_shared<State>(std::make_shared<std::ifstream>(open_text(path)), input_name(path), wanted)) {}
 TableReader::TableReader(Table table) : in_memory_(std::move(table)) {}
 
 Table TableReader::next(std::size_t max_rows) {

@@ -93,13 +93,14 @@ std::vector<ColumnSpec> impact_columns() {
   return all;
 }
 
-Impacts impacts_from_table(const Table& table, const std::string& name, const Impact* before) {
+Impacts impacts_from_table(const Table& table, const std::string& name) {
   check_columns(table, impact_columns(), name);
   Impacts impacts{rows_of(columns_of(static_cast<const Impact*>(nullptr)), table), {}};
   const std::vector<double>*v_contact = table.reals("v_contact_mps"), *eps_contact = table.reals("eps_contact");
   const auto is_known = [](const std::vector<double>* cells, std::size_t k) {
     return cells && !std::isnan((*cells)[k]);
   };
+  const Impact* before = nullptr;
   for (std::size_t k = 0; k < impacts.rows.size(); ++k) {
     Impact& row = impacts.rows[k];
     if (before && row.drop < before->drop)

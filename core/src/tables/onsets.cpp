@@ -14,29 +14,16 @@ namespace bouncelab {
 
 namespace {
 
-constexpr std::pair<Flag, std::string_view> kFlagNames[]{{Flag::by_hand, "by_hand"},
-                                                         {Flag::clipped, "clipped"},
-                                                         {Flag::doubtful, "doubtful"},
-                                                         {Flag::extra_impact, "extra_impact"},
-                                                         {Flag::improbable, "improbable"},
-                                                         {Flag::inferred, "inferred"},
-                                                         {Flag::missing_impact, "missing_impact"},
-                                                         {Flag::no_position, "no_position"},
-                                                         {Flag::not_finite, "not_finite"},
-                                                         {Flag::overlap, "overlap"}};
+constexpr std::string_view kFlagNames[]{"by_hand",  "clipped",        "doubtful",   "extra_impact", "improbable",
+                                        "inferred", "missing_impact", "not_finite", "overlap"};
 
 }  // namespace
 
-std::string_view name_of(Flag flag) {
-  return std::find_if(std::begin(kFlagNames), std::end(kFlagNames),
-                      [&](const auto& named) { return named.first == flag; })
-      ->second;
-}
+std::string_view name_of(Flag flag) { return kFlagNames[static_cast<std::size_t>(flag)]; }
 
 std::optional<Flag> flag_named(std::string_view word) {
-  for (const auto& [flag, name] : kFlagNames)
-    if (name == word) return flag;
-  return std::nullopt;
+  const auto* const found = std::find(std::begin(kFlagNames), std::end(kFlagNames), word);
+  return found == std::end(kFlagNames) ? std::nullopt : std::optional(static_cast<Flag>(found - kFlagNames));
 }
 
 Flags::Flags(std::initializer_list<Flag> flags) {

@@ -65,22 +65,6 @@ std::size_t Table::n_rows() const {
   return std::visit([](const auto& values) { return values.size(); }, columns.front().values);
 }
 
-void Table::append(const Table& more) {
-  const auto agree = [](const Column& a, const Column& b) {
-    return a.name == b.name && a.values.index() == b.values.index();
-  };
-  if (!std::equal(columns.begin(), columns.end(), more.columns.begin(), more.columns.end(), agree))
-    throw InvalidArgument("rows of a table cannot be put below those of another: the columns differ");
-  lines.clear();
-  for (std::size_t k = 0; k < columns.size(); ++k)
-    std::visit(
-        [&](auto& values) {
-          const auto& tail = std::get<std::decay_t<decltype(values)>>(more.columns[k].values);
-          values.insert(values.end(), tail.begin(), tail.end());
-        },
-        columns[k].values);
-}
-
 void Table::stands_on(std::size_t row, std::size_t line) {
   if (lines.empty() || line - lines.back().line != row - lines.back().row) lines.push_back({row, line});
 }

@@ -22,14 +22,6 @@ std::size_t utf8_character(std::string_view text) {
   return too_long || surrogate || beyond ? 0 : size;
 }
 
-namespace {
-
-/// One character of the result, or the escape that stands for one byte.
-struct Glyph {
-  std::string text;
-  std::size_t width = 1;  // characters
-};
-
 std::uint32_t code_point(std::string_view character) {
   const auto first = static_cast<unsigned char>(character[0]);
   if (character.size() == 1) return first;
@@ -37,6 +29,8 @@ std::uint32_t code_point(std::string_view character) {
   for (const char c : character.substr(1)) code = (code << 6U) | (static_cast<unsigned char>(c) & 0x3FU);
   return code;
 }
+
+namespace {
 
 /// Control characters, line and paragraph separators, and the marks that turn the direction of writing, with which a
 /// name can look like another.
@@ -54,21 +48,20 @@ std::string escape(char byte) {
   return {'\\', 'x', kDigits[value / 16], kDigits[value % 16]};
 }
 
-std::vector<Glyph> glyphs(std::string_view text) {
-  std::vector<Glyph> result;
+/// Characters as they are, or the escapes that stand for their bytes.
+std::vector<std::string> glyphs(std::string_view text) {
+  std::vector<std::string> result;
   while (!text.empty()) {
     const std::size_t size = utf8_character(text);
-    if (size > 0 && !is_harmful(code_point(text.substr(0, size)))) {
-      result.push_back({std::string(text.substr(0, size)), 1});
-      text.remove_prefix(size);
-    } else {
-      const std::string escaped = escape(text.front());
-      result.push_back({escaped, escaped.size()});
-      text.remove_prefix(1);
-    }
+    const bool is_harmless = size > 0 && !is_harmful(code_point(text.substr(0, size)));
+    result.push_back(is_harmless ? std::string(text.substr(0, size)) : escape(text.front()));
+    text.remove_prefix(is_harmless ? size : 1);
   }
   return result;
 }
+
+/// In characters: a longer text is an escape, or one character of several bytes.
+std::size_t width_of(const std::string& glyph) { return glyph.front() == '\\' ? glyph.size() : 1; }
 
 /// The end of a text, from the begin of a character on.
 std::string_view tail(std::string_view text, std::size_t n_bytes) {
@@ -78,17 +71,12 @@ std::string_view tail(std::string_view text, std::size_t n_bytes) {
   return end;
 }
 
-std::string head_that_fits(const std::vector<Glyph>& all, std::size_t width) {
+/// What fits into a width of the glyphs from `first` to `last`, the first of them or, backwards, the last.
+template <class Iterator>
+std::string that_fits(Iterator first, Iterator last, std::size_t width, bool from_end) {
   std::string text;
-  for (std::size_t k = 0; k < all.size() && all[k].width <= width; width -= all[k].width, ++k) text += all[k].text;
-  return text;
-}
-
-std::string tail_that_fits(const std::vector<Glyph>& all, std::size_t width) {
-  std::size_t first = all.size();
-  for (; first > 0 && all[first - 1].width <= width; --first) width -= all[first - 1].width;
-  std::string text;
-  for (std::size_t k = first; k < all.size(); ++k) text += all[k].text;
+  for (; first != last && width_of(*first) <= width; width -= width_of(*first), ++first)
+    text.insert(from_end ? 0 : text.size(), *first);
   return text;
 }
 
@@ -97,15 +85,16 @@ std::string tail_that_fits(const std::vector<Glyph>& all, std::size_t width) {
 std::string printable(std::string_view text, std::size_t limit) {
   const std::size_t most_bytes = 4 * limit;  // of `limit` characters
   if (text.size() <= most_bytes) {
-    const std::vector<Glyph> all = glyphs(text);
+    const std::vector<std::string> all = glyphs(text);
     std::size_t width = 0;
-    for (const Glyph& glyph : all) width += glyph.width;
-    if (width <= limit) return head_that_fits(all, width);
+    for (const std::string& glyph : all) width += width_of(glyph);
+    if (width <= limit) return that_fits(all.begin(), all.end(), width, false);
   }
   const std::string length = " (" + std::to_string(text.size()) + " bytes)";
   const std::size_t half = (limit - length.size() - 3) / 2;
-  const std::size_t kept = text.size() < most_bytes ? text.size() : most_bytes;
-  return head_that_fits(glyphs(text.substr(0, kept)), half) + "..." + tail_that_fits(glyphs(tail(text, kept)), half) +
+  const std::size_t kept = std::min(text.size(), most_bytes);
+  const std::vector<std::string> head = glyphs(text.substr(0, kept)), end = glyphs(tail(text, kept));
+  return that_fits(head.begin(), head.end(), half, false) + "..." + that_fits(end.rbegin(), end.rend(), half, true) +
          length;
 }
 

@@ -54,7 +54,7 @@ Description members_of_roughness() {
       member<&M::roughness, &Roughness::q, &Estimate::se>("q_se", "Its standard error"),
       member<&M::roughness, &Roughness::q, &Estimate::ci95>("q_ci95", "Its 95 % interval"),
       computed(
-          "ball", [](const M& m) { return text_of_ball(m.ball); },
+          "ball", [](const M& m) { return m.ball ? std::optional(to_text(*m.ball)) : std::nullopt; },
           "That the following is for; `null` where none was named: a solid sphere"),
       member<&M::roughness, &Roughness::inertia_factor>("inertia_factor", "Its J/(m R²)"),
       member<&M::roughness, &Roughness::s2_no_slip>(
@@ -106,23 +106,6 @@ Description members_of(const MemoryFit*) {
           [](const M& m) { return std::vector<double>(m.transform_counts.begin(), m.transform_counts.end()); },
           "Impacts by twentieths of the transform: equal, where the model holds"),
       where_ok<tests_of>("tests", "See below; `null` where `status` is not `ok`")};
-  return all;
-}
-
-Description members_of(const RoughnessResult*) {
-  using R = RoughnessResult;
-  static constexpr Member all[]{
-      member<&R::memory, &MemoryFit::status>("status", "As of the memory"),
-      member<&R::memory, &MemoryFit::holds>("holds", "As of the memory"),
-      member<&R::memory, &MemoryFit::n>("n", "Impacts used"),
-      member<&R::memory, &MemoryFit::n_drops>("n_drops", "Drops they are of"),
-      member<&R::memory, &MemoryFit::n_chains>("n_chains", "Pieces of drops without a missing impact"),
-      member<&R::n_left_out>("n_left_out", "Reason → number of samples left out"),
-      computed(
-          "roughness", [](const R& r) { return where_fitted(r.memory, roughness_of); }, "See [roughness](#roughness)"),
-      computed(
-          "tests", [](const R& r) { return where_fitted(r.memory, tests_of); }, "As of the memory"),
-      member<&R::memory, &MemoryFit::anderson_darling>("anderson_darling", "As of the memory")};
   return all;
 }
 

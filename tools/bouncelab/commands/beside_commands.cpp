@@ -109,27 +109,13 @@ std::string lower_case(std::string text) {
   return text;
 }
 
-/// Why a fit has no such input.
-std::string why_not(const DemOptions& options, const std::string& warning) {
-  std::vector<std::string> models{"fluctuating"};
-  if (options.code == "c++") models.emplace_back("memory");
-  if (options.code == "mercurydpm") models = {"constant"};
-  if (options.code == "lammps" || options.code == "liggghts" || options.code == "yade")
-    models = {"constant", "viscoelastic"};
-  if (!options.model.empty() && std::find(models.begin(), models.end(), options.model) == models.end())
-    return "it has " + models.front() + (models.size() > 1 ? " and " + models.back() : "");
-  if (options.model == "memory") return "the fit with memory does not hold";
-  return options.model == "viscoelastic" ? warning : "its samples are of one speed";
-}
-
 }  // namespace
 
 Outcome run_dem(const DemOptions& options) {
   const std::string content = whole_content(options.fit);
-  stages::refuse_older_fit(content, options.fit);
   const auto json = nlohmann::json::parse(content, nullptr, false);
-  if (!json.is_object() || !json.contains("hand_off"))
-    throw FileError(options.fit, "it is no fit.json of bouncelab fit");
+  if (!stages::is_fit(content))
+    throw FileError(options.fit, "it is no fit.json of this version; make it anew: bouncelab fit samples.csv");
   if (!json.value("is_one_ball", true))
     throw FileError(
         options.fit,
@@ -144,15 +130,17 @@ Outcome run_dem(const DemOptions& options) {
   if (!dem)
     throw FileError(options.fit, "it has nothing for these codes: no law was fitted, or its ε is not between 0 and 1");
   Outcome outcome;
+  std::string has;
   for (const fit::Snippet& snippet : dem->snippets) {
-    if (lower_case(snippet.program) != options.code || !(options.model.empty() || snippet.model == options.model))
-      continue;
+    if (lower_case(snippet.program) != options.code) continue;
+    has += (has.empty() ? "it has " : ", ") + snippet.model;
+    if (!(options.model.empty() || snippet.model == options.model)) continue;
     outcome.text = snippet.text;
     outcome.result = {{"program", snippet.program}, {"model", snippet.model}, {"text", snippet.text}};
     return outcome;
   }
   outcome.error =
-      options.fit + ": nothing " + options.model + " for " + options.code + ": " + why_not(options, dem->warning);
+      options.fit + ": nothing " + options.model + " for " + options.code + ": " + (has.empty() ? dem->warning : has);
   outcome.exit_code = kNotUsable;
   return outcome;
 }

@@ -67,17 +67,11 @@ Outcome read_sounds(const std::vector<fs::path>& files, const CompareOptions& op
       loop::detect_all(once, {}, n_threads, false, progress_line(run, "detect", "recordings"));
   for (const detection::RecordingDetection& recording : recordings) {
     const fit::RestitutionConfig config =
-        restitution_config(with_conditions_of({recording.recording}, options.restitution, run.given));
+        with_ball(with_conditions_of({recording.recording}, options.restitution, run.given));
     RestitutionSamples samples = fit::restitution_samples(recording.found.onsets, config).samples;
     if (!samples.empty()) take(std::move(samples));
   }
   return detection_outcome(recordings, std::move(notes));
-}
-
-std::string title_of(const CompareOptions& options) {
-  if (!options.title.empty()) return options.title;
-  const fs::path path = fs::absolute(options.out).lexically_normal();
-  return "Recordings: " + (path.has_filename() ? path.filename() : path.parent_path().filename()).string();
 }
 
 }  // namespace
@@ -89,7 +83,7 @@ Outcome run_compare(const CompareOptions& options, const Run& run) {
   if (!options.groups.empty()) inputs.emplace_back(options.groups);
   check_files(run, inputs, {folder / "comparison.json", folder / "comparison.csv", folder / "report.html"});
   for (const std::string& file : options.samples)
-    if (fs::path(file).extension() == ".json" && stages::is_fit(whole_content(file)))
+    if (fs::path(file).extension() == ".json")
       throw FileError(file, "is a result, which cannot be compared; give the samples or the sound that it was made of");
   const loop::Origins origins = options.groups.empty() ? loop::Origins{} : read_groups(options.groups);
   const ProgressCallback progress = progress_line(run, "compare", "recordings");
@@ -114,7 +108,7 @@ Outcome run_compare(const CompareOptions& options, const Run& run) {
   write_text(run, folder / "comparison.json", json + "\n", inputs);
   write_table(run, folder / "comparison.csv", to_table(between, found.recordings), inputs);
   report::ReportInput page;
-  page.title = title_of(options);
+  page.title = options.title.empty() ? "Recordings: " + stages::name_of_folder(folder) : options.title;
   page.comparison_json = json;
   page.comparison_points_json = report::points_json(between, found.recordings);
   write_text(run, folder / "report.html", report::render(page), inputs);

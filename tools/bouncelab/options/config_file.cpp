@@ -27,8 +27,6 @@ struct NoToml {};
 namespace bouncelab::cli {
 namespace {
 
-namespace fs = std::filesystem;
-
 bool holds(const std::vector<std::string>& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
@@ -195,19 +193,14 @@ class ConfigReader {
   std::vector<ConfigOption> options_;
 };
 
-/// The text of a regular file: no folder, no device.
-std::string text_of(const fs::path& path) {
-  constexpr std::uintmax_t kMost_bytes = 1'000'000;
-  std::error_code unreadable;
-  const auto status = fs::status(path, unreadable);
-  if (!fs::exists(status)) throw FileError(path.string(), "there is no such file of options");
-  if (!fs::is_regular_file(status))
-    throw FileError(path.string(), "not a regular file; options are read from a TOML file");
-  const std::uintmax_t n_bytes = fs::file_size(path, unreadable);
-  if (n_bytes > kMost_bytes)
-    throw FileError(path.string(),
+std::string text_of(const std::string& file) {
+  constexpr std::int64_t kMost_bytes = 1'000'000;
+  if (!std::filesystem::is_regular_file(file))
+    throw FileError(file, "is no regular file; options are read from a TOML file");
+  if (const std::int64_t n_bytes = FileBytes(file).size(); n_bytes > kMost_bytes)
+    throw FileError(file,
                     fmt::format("{} bytes are no TOML file of options, which has at most {}", n_bytes, kMost_bytes));
-  return decoded_text(whole_content(path), path.string());
+  return decoded_text(whole_content(file), file);
 }
 
 /// What was typed for an option, the last of several; absent where it was not.
@@ -219,13 +212,6 @@ std::optional<std::string> typed_value(const std::vector<std::string>& typed, co
     if (argument->starts_with(option + "=")) value = argument->substr(option.size() + 1);
   }
   return value;
-}
-
-/// The number of a letter of 2 to 4 bytes of valid UTF-8.
-std::uint32_t number_of_letter(std::string_view letter) {
-  std::uint32_t number = static_cast<unsigned char>(letter.front()) & (0xFFU >> (letter.size() + 1));
-  for (const char c : letter.substr(1)) number = number << 6U | (static_cast<unsigned char>(c) & 0x3FU);
-  return number;
 }
 
 /// The same TOML in ASCII, its letters beyond that as \UXXXXXXXX; refuses keys of very many parts. toml++ 3.3 takes
@@ -252,7 +238,7 @@ std::string in_ascii(std::string_view text, const std::string& file) {
           file,
           fmt::format("line {}: is no TOML; write KEY = VALUE, letters beyond ASCII in double quotes within a line",
                       line));
-    ascii += is_letter ? fmt::format("\\U{:08X}", number_of_letter(text.substr(k, n_bytes))) : std::string(1, c);
+    ascii += is_letter ? fmt::format("\\U{:08X}", code_point(text.substr(k, n_bytes))) : std::string(1, c);
     if (quote == '\0' && (c == '"' || c == '\'' || c == '#'))
       quote = c;
     else if (c == quote && !is_escape && quote != '#')

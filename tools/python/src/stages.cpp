@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <map>
 #include <optional>
 #include <utility>
 
@@ -62,16 +61,6 @@ py::dict detected(const stages::Recordings& recordings, std::vector<Note> notes)
   result["columns"] = columns_of(to_table(onsets));
   result["warnings"] = report::texts_of(notes, Severity::warning);
   return result;
-}
-
-audio::SampleEncoding encoding_named(const std::string& bits) {
-  static const std::map<std::string, audio::SampleEncoding> encodings{{"16", audio::SampleEncoding::pcm16},
-                                                                      {"24", audio::SampleEncoding::pcm24},
-                                                                      {"32", audio::SampleEncoding::pcm32},
-                                                                      {"float", audio::SampleEncoding::float32}};
-  const auto found = encodings.find(bits);
-  if (found == encodings.end()) throw InvalidArgument("bits '" + bits + "': 16, 24, 32 or float");
-  return found->second;
 }
 
 /// @return {columns, summary, warnings}
@@ -168,7 +157,7 @@ py::dict detect_samples(const py::array& array, double rate_hz, const std::strin
 /// @return {columns, summary}
 py::dict restitution(const py::dict& columns, const Arguments& arguments) {
   auto [options, run] = parse<stages::RestitutionOptions>(arguments);
-  const fit::RestitutionConfig config = stages::restitution_config(options);
+  const fit::RestitutionConfig config = stages::with_ball(options);
   fit::Restitution found = fit::restitution_samples(onsets_of(columns), config);
   if (found.samples.empty()) throw InvalidArgument("no three successive impacts: no coefficient of restitution");
   py::dict result;
@@ -208,9 +197,11 @@ std::string wave_of_samples(const py::array& array, double rate_hz, const std::s
 
 /// Writes sound with the encoding that `bits` names: 16, 24, 32 or float.
 void write_sound(const std::string& path, const py::array& array, int rate_hz, const std::string& bits, bool force) {
+  stages::SynthesizeOptions how;
+  stages::set_option({stages::section_of(how)}, "bits", {bits});
   const SoundArray sound(array);
   const auto samples = sound.samples();
-  audio::AudioWriter writer(path, {rate_hz, sound.n_channels(), encoding_named(bits)},
+  audio::AudioWriter writer(path, {rate_hz, sound.n_channels(), stages::encoding_of(how.bits)},
                             static_cast<std::int64_t>(samples.size()) / sound.n_channels(), force);
   writer.write(samples);
   writer.commit();

@@ -70,7 +70,8 @@ std::string sum_in(const Json& meta) { return text_in(meta, "sha256").value_or("
 /// null where there is none. @throws FileError where it is not JSON
 Json provenance_beside(const fs::path& file) {
   const fs::path path = provenance_path(file);
-  if (!fs::is_regular_file(path)) return {};
+  std::error_code too_long;
+  if (!fs::is_regular_file(path, too_long)) return {};
   Json meta = json_in(path);
   if (meta.is_discarded())
     throw FileError(path.string(), "is not JSON, as what is known of the file beside it would be; delete it");
@@ -145,21 +146,7 @@ void compute_sha256_ahead(const std::vector<fs::path>& files, int n_threads) {
   });
 }
 
-fs::path provenance_path(const fs::path& output) {
-  constexpr std::size_t kLongestName_bytes = 255;  // of the file systems in use
-  const std::string ending = ".meta.json";
-  std::string name = output.filename().string();
-  if (name.size() + ending.size() > kLongestName_bytes) {
-    const std::string sum = sha256_of(name).substr(0, 8);
-    name.resize(kLongestName_bytes - ending.size() - sum.size() - 1);
-    // the last character, which may be cut in two (UTF-8: 10xxxxxx continues one that 11xxxxxx began)
-    const auto last = [&] { return static_cast<unsigned char>(name.empty() ? 0 : name.back()); };
-    while ((last() & 0xC0) == 0x80) name.pop_back();
-    if (last() >= 0xC0) name.pop_back();
-    name += "~" + sum;
-  }
-  return output.parent_path() / (name + ending);
-}
+fs::path provenance_path(const fs::path& output) { return fs::path(output) += ".meta.json"; }
 
 bool is_provenance(const fs::path& path) {
   const Json meta = json_in(path);

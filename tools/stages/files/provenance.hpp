@@ -35,8 +35,7 @@ std::string sha256_of_file(const std::filesystem::path& path);
 /// @throws Interrupted
 void compute_sha256_ahead(const std::vector<std::filesystem::path>& files, int n_threads);
 
-/// OUTPUT.meta.json; where that name would be longer than 255 bytes, OUTPUT is cut, and ends with ~ and the first eight
-/// digits of the SHA-256 of the whole.
+/// OUTPUT.meta.json
 std::filesystem::path provenance_path(const std::filesystem::path& output);
 
 /// Whether a file is a provenance that this program wrote.

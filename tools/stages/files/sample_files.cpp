@@ -101,11 +101,6 @@ void RecordingNames::end(std::vector<Note>& notes) {
 
 namespace {
 
-struct SampleFile {
-  fs::path path;
-  RestitutionSamples samples;
-};
-
 RestitutionSamples read_one(const fs::path& path, const std::string& columns, std::vector<std::string>& taken_for) {
   ForeignOptions options;
   options.columns = columns;
@@ -113,28 +108,6 @@ RestitutionSamples read_one(const fs::path& path, const std::string& columns, st
   const Table table = reader.next(std::numeric_limits<std::size_t>::max());
   DropsInTurn().check(table, input_name(path));
   return samples_from_table(table, input_name(path));
-}
-
-std::string short_name(const fs::path& path) { return path == "-" ? input_name(path) : path.filename().string(); }
-
-void name_recordings(std::vector<SampleFile>& files) {
-  std::map<std::string, int> uses;
-  for (const SampleFile& file : files) ++uses[short_name(file.path)];
-  for (SampleFile& file : files) {
-    const std::string name = short_name(file.path);
-    for (RestitutionSample& s : file.samples)
-      if (s.recording.empty()) s.recording = uses[name] > 1 ? input_name(file.path) : name;
-  }
-}
-
-/// Recordings of which two files have the same drop.
-std::set<std::string> ambiguous_recordings(const std::vector<SampleFile>& files) {
-  std::map<std::pair<std::string, std::int64_t>, std::size_t> file_of;
-  std::set<std::string> ambiguous;
-  for (std::size_t k = 0; k < files.size(); ++k)
-    for (const RestitutionSample& s : files[k].samples)
-      if (file_of.try_emplace({s.recording, s.drop}, k).first->second != k) ambiguous.insert(s.recording);
-  return ambiguous;
 }
 
 using TakeRecording = std::function<void(RestitutionSamples&&)>;
@@ -189,18 +162,16 @@ void cut_file(const fs::path& path, RecordingNames& names, std::vector<std::stri
 RestitutionSamples read_sample_files(const std::vector<fs::path>& paths, int n_threads, const std::string& columns,
                                      std::vector<std::string>& taken_for, std::vector<Note>& notes) {
   if (paths.size() == 1) return read_one(paths.front(), columns, taken_for);
-  std::vector<SampleFile> files;
-  for (const fs::path& path : each_once(paths, n_threads, "samples", notes))
-    files.push_back({path, read_one(path, columns, taken_for)});
-  if (files.size() > 1) name_recordings(files);
-  const std::set<std::string> ambiguous = ambiguous_recordings(files);
-  for (const std::string& name : ambiguous) notes.push_back({NoteKind::same_drop_in_files, {}, printable(name)});
+  RecordingNames names;
   RestitutionSamples all;
-  for (SampleFile& file : files)
-    for (RestitutionSample& s : file.samples) {
-      if (ambiguous.count(s.recording) > 0) s.recording += " (" + input_name(file.path) + ")";
+  for (const fs::path& path : each_once(paths, n_threads, "samples", notes)) {
+    names.begin(path);
+    for (RestitutionSample& s : read_one(path, columns, taken_for)) {
+      s.recording = names.name(s.recording);
       all.push_back(std::move(s));
     }
+    names.end(notes);
+  }
   return all;
 }
 

@@ -38,11 +38,8 @@ class RecordingNames {
   std::size_t n_renamed_ = 0;
 };
 
-/// Samples of several files, one after the other. Of more than one file:
-///   - samples without a recording get the file's name, with its folder where two files have the same name
-///   - the same drop of the same recording in two files is of two recordings: the file is added to the name in both,
-///     for all samples of that recording
-///   - files of the same content count once
+/// Samples of several files, one after the other; those of the same content count once. Of more than one their
+/// recordings are called as RecordingNames has it.
 /// @param columns    of tables that are not ours: ForeignOptions::columns
 /// @param taken_for  a line for each of those
 /// @param notes  one line for each file that was left out and each recording that was renamed

@@ -1,7 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "stages/files/table_file.hpp"
 
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <limits>
 #include <sstream>
 #include <string>
@@ -49,13 +55,12 @@ void TableWriter::add(std::size_t k, const Table& rows) {
     write_csv_rows(out, rows);
   const std::string text = out.str();
   if (k != next_) {
-    if (!scratch_) scratch_.emplace(file_.folder(), path_.string());
-    waiting_[k] = {scratch_->append(text), text.size()};
+    waiting_[k] = text;
     return;
   }
   write(text);
   for (auto first = waiting_.begin(); first != waiting_.end() && first->first == next_; first = waiting_.erase(first))
-    write(scratch_->at(first->second.first, first->second.n));
+    write(first->second);
 }
 
 void TableWriter::write(const std::string& text) {
@@ -86,11 +91,18 @@ OutputFolder::OutputFolder(fs::path folder) : folder_(std::move(folder)) {
     throw FileError(folder_.string(), "the folder of the results cannot be made (" +
                                           (error ? error.message() : "there is a file of that name") +
                                           "); name one that may be written: --out FOLDER");
-  lock_.emplace(folder_);
+  const int descriptor = ::open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  lock_ = std::shared_ptr<void>(nullptr, [descriptor](void*) { ::close(descriptor); });
+  if (::access(folder_.c_str(), W_OK | X_OK) != 0)
+    throw FileError(folder_.string(), "nothing can be written in this folder (" + std::string(std::strerror(errno)) +
+                                          "); choose another one or check its permissions");
+  // a file system that has no locks keeps nobody out
+  if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
+    throw FileError(folder_.string(),
+                    "another bouncelab is at work in this folder; wait for it, or choose another folder");
 }
 
 OutputFolder::~OutputFolder() {
-  lock_.reset();
   std::error_code not_empty;
   if (created_) fs::remove(folder_, not_empty);
 }
@@ -125,8 +137,9 @@ void check_files(const Run& run, std::vector<fs::path> inputs, const std::vector
   std::for_each(inputs.begin(), inputs.end(), refuse_no_csv);
   std::for_each(outputs.begin(), outputs.end(), refuse_no_csv);
   std::vector<fs::path> also_read = files_named_by_options(run);
+  std::error_code too_long;
   for (const fs::path& input : inputs)
-    if (!input.empty() && !is_stream(input) && fs::exists(provenance_path(input)))
+    if (!input.empty() && !is_stream(input) && fs::exists(provenance_path(input), too_long))
       also_read.push_back(provenance_path(input));
   inputs.insert(inputs.end(), also_read.begin(), also_read.end());
   std::vector<fs::path> provenances;

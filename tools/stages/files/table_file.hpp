@@ -2,10 +2,10 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <filesystem>
 #include <map>
-#include <optional>
+#include <memory>
+#include <string>
 #include <vector>
 
 #include "bouncelab/core/files.hpp"
@@ -32,23 +32,20 @@ void refuse_no_csv(const std::filesystem::path& path);
 void write_table(const Run& run, const std::filesystem::path& path, const Table& table,
                  const std::vector<std::filesystem::path>& inputs = {});
 
-/// As write_table, a piece of the rows at a time, in constant memory. Nothing is left without finish().
+/// As write_table, a piece of the rows at a time; only pieces that wait are in memory. Nothing is left without
+/// finish().
 class TableWriter {
  public:
   /// @param run  must outlive this. @throws FileError
   TableWriter(const Run& run, const std::filesystem::path& path);
   /// The next piece. @param rows  with the same columns each time
   void add(const Table& rows) { add(next_, rows); }
-  /// The k-th piece, in any order: one that cannot be written yet waits as text in a file without a name.
+  /// The k-th piece, in any order: one that cannot be written yet waits as text.
   void add(std::size_t k, const Table& rows);
   /// All pieces were added, at least one: it names the columns.
   void finish(const std::vector<std::filesystem::path>& inputs);
 
  private:
-  struct Place {
-    std::int64_t first = 0;
-    std::size_t n = 0;
-  };
   void write(const std::string& text);
 
   const Run& run_;
@@ -56,8 +53,7 @@ class TableWriter {
   OutputFile file_;
   Sha256 sum_;            // of what is written
   std::size_t next_ = 0;  // piece that comes next in the file
-  std::map<std::size_t, Place> waiting_;
-  std::optional<ScratchFile> scratch_;  // those that wait
+  std::map<std::size_t, std::string> waiting_;
 };
 
 /// Writes a text (JSON, HTML ...) whole or not at all, and its provenance beside it. @throws FileError
@@ -65,7 +61,7 @@ void write_text(const Run& run, const std::filesystem::path& path, const std::st
                 const std::vector<std::filesystem::path>& inputs = {});
 
 /// A folder for the outputs of one process at a time, created where it is missing; removed again where nothing was
-/// written to it.
+/// written to it. It is locked (flock) as long as this lives, or its process, however that ends.
 class OutputFolder {
  public:
   /// @throws FileError where it cannot be created, nothing can be written in it, or another process is at work in it
@@ -77,7 +73,7 @@ class OutputFolder {
  private:
   std::filesystem::path folder_;
   bool created_ = false;
-  std::optional<FolderLock> lock_;
+  std::shared_ptr<void> lock_;  // closes the folder
 };
 
 /// Files that options name to be read, by themselves or behind a word (table:law.csv).

@@ -15,7 +15,6 @@
 #include "bouncelab/core/parallel.hpp"
 #include "bouncelab/core/text.hpp"
 #include "bouncelab/detection/detect.hpp"
-#include "bouncelab/loop/closed_loop.hpp"
 #include "stages/files/foreign_files.hpp"
 #include "stages/files/scratch_folder.hpp"
 #include "stages/files/table_file.hpp"
@@ -76,10 +75,17 @@ std::string replaced(std::string text, const std::string& from, const std::strin
   return text;
 }
 
+/// Of this thread, so far.
+double processor_time_s() {
+  std::timespec now{};
+  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
 void detect_by_builtin(const fs::path& sound, Marks& marks) {
-  const double begin_s = loop::processor_time_s(CLOCK_THREAD_CPUTIME_ID);
+  const double begin_s = processor_time_s();
   with_threads(1, [&] { marks.onsets = detection::detect(sound, {}).onsets; });
-  marks.processor_s = loop::processor_time_s(CLOCK_THREAD_CPUTIME_ID) - begin_s;
+  marks.processor_s = processor_time_s() - begin_s;
 }
 
 /// By the shell. @param scratch  an empty folder

@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/description.hpp"
 #include "bouncelab/core/elementary.hpp"
 

@@ -135,19 +135,6 @@ class ScratchFile {
   std::shared_ptr<State> state_;
 };
 
-/// A folder belongs to one process at a time: a file .bouncelab.lock in it, locked, which holds the number of the
-/// process. The lock ends with the process, however that ends; with the last copy of this the file is
-/// deleted.
-class FolderLock {
- public:
-  /// @throws FileError where another process has the folder, naming its number, or the file cannot be made
-  explicit FolderLock(const std::filesystem::path& folder);
-
- private:
-  struct State;
-  std::shared_ptr<State> state_;
-};
-
 #if defined(__SANITIZE_ADDRESS__)
 constexpr bool kHasAddressSanitizer = true;
 #elif defined(__has_feature)

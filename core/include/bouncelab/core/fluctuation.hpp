@@ -70,12 +70,6 @@ class Fluctuation {
   /// @return >= 0
   double reservoir_after(double r) const;
 
-  /// Standard deviation of the reservoir after the impact about that mean [m^2/s^2]. Those of a drop's impacts add in
-  /// quadrature; where w comes close to 0 they let about one r in 2000 lie above highest(), which a likelihood must
-  /// allow.
-  /// @param r  as of reservoir_after
-  double reservoir_sd(double r) const;
-
  private:
   double radius(double r) const;  ///< sqrt(X)
   double mean_square_offset(double r) const;

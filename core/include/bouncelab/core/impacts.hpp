@@ -52,9 +52,8 @@ std::vector<ColumnSpec> impact_columns();
 
 /// Checks what the table promises: numbers in the ranges of impact_columns(), times that increase within each drop,
 /// drops in order.
-/// @param name        of the file, for messages
-/// @param before      the row before the table's first one, where the table is a piece of a longer one
+/// @param name  of the file, for messages
 /// @throws FileError naming the first offending row by its line
-Impacts impacts_from_table(const Table& table, const std::string& name, const Impact* before = nullptr);
+Impacts impacts_from_table(const Table& table, const std::string& name);
 
 }  // namespace bouncelab

@@ -45,7 +45,6 @@ const char* to_string(Severity severity);
   kind(other_conditions) /* recordings, of recordings; which */                 \
   /* what counts once or as several: */                                         \
   kind(repeated_drops) /* bounces; which drops */                               \
-  kind(same_drop_in_files) /* ; the recording */                                \
   kind(renamed_recordings) /* recordings; the file */                           \
   kind(same_content) /* ; the file, and the one that it is the same as */       \
   /* what is left out or missing: */                                            \
@@ -81,11 +80,9 @@ const char* to_string(Severity severity);
   kind(not_a_sphere)                                                            \
   kind(not_converged) /* gain left in log-likelihood */                         \
   kind(not_identifiable) /* impacts; constants with their intervals */          \
-  kind(tied_constants) /* correlation; which */                                 \
   kind(one_speed) /* least, most [m/s] */                                       \
   kind(two_terms) /* samples */                                                 \
   kind(one_constant) /* samples */                                              \
-  kind(no_bootstrap)                                                            \
   kind(few_drops) /* ; how few */                                               \
   kind(errors_not_stated) /* samples, of samples */                             \
   kind(memory_without_ball) /* inertia over m R^2, radius [m] */                \

@@ -85,9 +85,6 @@ struct Table {
   /// Where a row stood, for messages: "line 7", or "row 6" where it was no line.
   std::string place_of(std::size_t row) const;
   std::size_t n_rows() const;
-  /// Puts the rows of `more` below these. The lines on which the rows of either stood are forgotten.
-  /// @throws InvalidArgument  unless `more` is another table with the same columns: names, types and order
-  void append(const Table& more);
   bool has(std::string_view name) const;
   /// nullptr where there is no such column or it is of another type.
   const std::vector<double>* reals(std::string_view name) const;

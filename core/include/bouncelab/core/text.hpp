@@ -33,6 +33,8 @@ std::string shell_word(std::string_view text);
 
 /// The number of bytes (1 to 4) of the valid UTF-8 character that `text` begins with; 0 where there is none.
 std::size_t utf8_character(std::string_view text);
+/// The number of a valid UTF-8 character.
+std::uint32_t code_point(std::string_view character);
 
 /// What a workbook (.xlsx, .ods, .numbers, .xls) or another ZIP archive is, and what to do, for a message; empty where
 /// the file is neither. @param head  its first bytes, some hundred

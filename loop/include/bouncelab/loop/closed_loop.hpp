@@ -1,15 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <chrono>
 #include <cstdint>
-#include <ctime>
 #include <filesystem>
 #include <functional>
 #include <memory>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "bouncelab/core/impacts.hpp"
@@ -48,18 +45,11 @@ struct RecordingResult {
   std::vector<synthesis::TrueImpact> truth;
   std::vector<synthesis::OtherSound> others;  ///< of one recording of all drops
   Onsets onsets;
-  double sound_s = 0.0;       ///< length of the recording
-  double synthesize_s = 0.0;  ///< processor time, of a recording of one drop
-  double detect_s = 0.0;      ///< likewise
+  double sound_s = 0.0;  ///< length of the recording
 };
 
-/// Synthesizes the sound of one drop and detects the impacts in it. A pure function of its arguments but for the
-/// recording kept.
-/// @param impacts  of this drop alone
-/// @param ball     names the recordings, BALL.0017.flac
-RecordingResult run_drop(const Impacts& impacts, const std::string& ball, const DropRecording& recording);
-
-/// All drops of a ball, in parallel, through memory.
+/// Synthesizes the sound of each drop and detects the impacts in it, in parallel, through memory.
+/// @param ball       names the recordings, BALL.0017.flac
 /// @param n_threads  0: all cores
 /// @param progress   in drops
 /// @return ordered by drop; the same for any number of threads
@@ -113,42 +103,6 @@ struct BallResult {
   detection::OnsetScore score;
 };
 
-/// Processor time so far of the process, or of this thread. @param clock  CLOCK_PROCESS_CPUTIME_ID or
-/// CLOCK_THREAD_CPUTIME_ID
-double processor_time_s(clockid_t clock);
-
-/// Wall and processor time of each stage, in order.
-class StageClock {
- public:
-  using SecondsByStage = std::vector<std::pair<std::string, double>>;
-
-  /// Runs one stage and notes its time under `name`.
-  template <class Work>
-  auto time(const std::string& name, Work&& work) {
-    const Timer timer{*this, name};
-    return work();
-  }
-  /// Notes processor time that a stage's own clocks tell in place of that of the last stage.
-  void split_last(const SecondsByStage& processor_s);
-  const SecondsByStage& wall_s() const { return wall_s_; }
-  /// Of all threads.
-  const SecondsByStage& processor_s() const { return processor_s_; }
-
- private:
-  using Clock = std::chrono::steady_clock;
-  struct Timer {
-    StageClock& clock;
-    std::string name;
-    Clock::time_point start = Clock::now();
-    double process_start_s = processor_time_s(CLOCK_PROCESS_CPUTIME_ID);
-    ~Timer() {
-      clock.wall_s_.emplace_back(name, std::chrono::duration<double>(Clock::now() - start).count());
-      clock.processor_s_.emplace_back(name, processor_time_s(CLOCK_PROCESS_CPUTIME_ID) - process_start_s);
-    }
-  };
-  SecondsByStage wall_s_, processor_s_;
-};
-
 struct LoopResult {
   sim::SimulationConfig simulation;
   BallResult rough;
@@ -164,18 +118,11 @@ struct LoopResult {
   fit::FitResult direct, true_times, sound, smooth_sound;
   std::optional<ScatterTheory> theory;      ///< of the rough ball, in the windows of `sound`
   std::optional<ReservoirCheck> reservoir;  ///< of the rough ball, from its sound
-  StageClock clock;
 };
 
 /// Runs the loop with all data in memory but for the one recording.
 /// @throws InvalidArgument naming the setting that is out of range, FileError (disk full), what `progress` throws
 LoopResult run_loop(const LoopConfig& config, const StageProgress& progress = {});
-
-/// How samples are made of the onsets of this experiment: its gravity, its ball.
-fit::RestitutionConfig restitution_config_of(const sim::SimulationConfig& simulation);
-/// Which disturbances the samples of this experiment contain: a simulated ball is struck without delay and, in the
-/// sound, each drop at one point.
-fit::BudgetConfig budget_config_of(const sim::SimulationConfig& simulation);
 
 /// Length of the sound of all drops [s].
 double sound_s(const LoopResult& loop);

@@ -93,11 +93,11 @@ Description members_of(const SlopeWindow*);
 /// Windows of speed in which simulation and sound have both slopes.
 std::vector<SlopeWindow> slopes_of(const LoopResult& loop);
 
-// Parts of a FitResult; null where it does not have them. Speeds agree to within 1e-9 m/s.
-const fit::NodeEstimate* node_at(const fit::FitResult& fit, double v_mps);
+// Parts of a FitResult; absent, or null, where it does not have them. Speeds agree to within 1e-9 m/s.
+std::optional<fit::Estimate> eps_at(const fit::FitResult& fit, double v_mps);
 const fit::HistogramFit* window_at(const fit::FitResult& fit, double v_mps);
-/// The window at this speed that has both slopes.
-const fit::HistogramFit* window_with_slopes(const fit::FitResult& fit, double v_mps);
-const fit::Estimate* parameter_named(const fit::FitResult& fit, std::string_view name);
+std::optional<fit::Estimate> slope_at(const fit::FitResult& fit, double v_mps,
+                                      std::optional<fit::Estimate> fit::HistogramFit::*side);
+std::optional<fit::Estimate> parameter_named(const fit::FitResult& fit, std::string_view name);
 
 }  // namespace bouncelab::loop
