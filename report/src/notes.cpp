@@ -48,9 +48,6 @@ constexpr Wording kWordings[]{
     {Kind::doubtful_drops, warning,
      "{0} of {1} drops {0|is|are} doubtful (a bouncing ball is less than {2} times as likely as another sound): "
      "{s}; {0|it is|they are} used, listen there"},
-    {Kind::second_ball, warning,
-     "a second ball seems to bounce at the same time ({0} impacts from {1:.2f} s on) and is not in the "
-     "results; record one ball at a time"},
     {Kind::other_ball, warning,
      "{s}; the samples keep the corrections for their own ball; compute the samples again with the new ball"},
     {Kind::mixed_conditions, warning,

@@ -59,8 +59,11 @@ TEST(Bounces, DensityOverTimeAndLoudnessIntegratesToTheProbabilityOfDetection) {
           return test::integral_over_line(kLogAmplitude, 1.0, 40,
                                           [&](double a) { return density_at(ball, t_s, a, n_missing, jitter2); });
         });
-        // tails of Student's t outside kLeastEps ... kLargestEps, and steps of the prior there: 3 in 1000
-        EXPECT_NEAR(integral / p, 1.0, 3e-3) << past.size() << " coefficients known, " << n_missing << " missing";
+        // tails of Student's t outside kLeastEps ... kLargestEps, and steps of the prior there: 3 in 1000; with missing
+        // impacts no eps is above 1, where 2 % of the prior are
+        const double above_1 = n_missing > 0 ? 0.02 : 0.0;
+        EXPECT_LE(integral / p, 1.0 + 3e-3) << past.size() << " coefficients known, " << n_missing << " missing";
+        EXPECT_GE(integral / p, 1.0 - above_1 - 3e-3) << past.size() << " known, " << n_missing << " missing";
       }
   }
   EXPECT_NEAR(sum, 1.0 - std::pow(1.0 - kTracking.detection_probability, kMostMissing + 1), 1e-12);
