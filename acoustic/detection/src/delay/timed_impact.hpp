@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "model_number.hpp"
@@ -75,6 +76,11 @@ struct ImpactFit {
   std::vector<DelayHypothesis> alternatives;  ///< other times with a margin below kDelay.unambiguous
 };
 
+/// How far before and behind its rise an impact may be that the template does not explain.
+struct FarPlaces {
+  double before_s = 0.0, after_s = 0.0;
+};
+
 /// One impact of a track, timed.
 struct TimedImpact {
   std::int64_t impact = 0;
@@ -82,13 +88,14 @@ struct TimedImpact {
   double rise_s = 0.0;        ///< time of its candidate
   double rise_reach_s = 0.0;  ///< how far off that may be where nothing sounds before the impact; 0 = no candidate
   double until_s = 0.0;       ///< from here on the sound belongs to the next impact
-  bool inferred = false;      ///< no candidate: found where the track predicts it
-  bool overlap = false;       ///< its sound reaches into that of the next
-  bool doubtful = false;      ///< may have been at another place
-  double doubt_s = 0.0;       ///< what that adds to the standard error, in quadrature
-  double probability = 1.0;   ///< that it is one of the ball's, given that the track is a ball's
-  bool clipped = false;       ///< the recording is at its limit within 5 ms
-  double v_mps = 0.0;         ///< from the flight before it (of the first: after it, over eps); 0 = not known
+  std::optional<FarPlaces> not_explained{};  ///< to be searched, unless it is where its neighbours expect it
+  bool inferred = false;                     ///< no candidate: found where the track predicts it
+  bool overlap = false;                      ///< its sound reaches into that of the next
+  bool doubtful = false;                     ///< may have been at another place
+  double doubt_s = 0.0;                      ///< what that adds to the standard error, in quadrature
+  double probability = 1.0;                  ///< that it is one of the ball's, given that the track is a ball's
+  bool clipped = false;                      ///< the recording is at its limit within 5 ms
+  double v_mps = 0.0;  ///< from the flight before it (of the first: after it, over eps); 0 = not known
 };
 
 }  // namespace bouncelab::detection

@@ -170,10 +170,10 @@ void extend(TimedTrack& track, double end_s) {
 /// All places where the impact of a candidate may be: as far before it as the longest window in which a rise is found,
 /// and as far behind as a codec's noise goes before an attack.
 /// @param near  the best fit within its reach, with all places there
-ImpactFit find_everywhere(ImpactTimer& timer, const Candidate& c, const ImpactFit& near, double most_before_s,
-                          double most_after_s, double until_s) {
-  const double from_s = c.t_s - std::min(kDelay.late_s, most_before_s),
-               to_s = c.t_s + std::min(kDelay.pre_echo_s, most_after_s);
+ImpactFit find_everywhere(ImpactTimer& timer, double rise_s, const ImpactFit& near, const FarPlaces& most,
+                          double until_s) {
+  const double from_s = rise_s - std::min(kDelay.late_s, most.before_s),
+               to_s = rise_s + std::min(kDelay.pre_echo_s, most.after_s);
   const double same_s = 1.0 / timer.rate_hz();
   ImpactFit far = near;
   const double step_s = timer.step_s();
@@ -230,7 +230,10 @@ void add_candidate(TimedTrack& track, const std::vector<Candidate>& candidates, 
   const bool is_alone = std::min(c.t_s - last_s, next_s - c.t_s) > track.timer.template_s();
   if (is_alone && !is_explained(track.timer, timed.fit)) {
     const auto alone = before_another_sound(track.timer, candidates, of_track.candidate, reach_s);
-    timed.fit = alone ? *alone : find_everywhere(track.timer, c, timed.fit, before_s, after_s, next_s);
+    if (alone)
+      timed.fit = *alone;
+    else
+      timed.not_explained = FarPlaces{before_s, after_s};
   }
   timed.overlap = next_s - c.t_s < track.timer.template_s();
   track.append(timed);
@@ -305,24 +308,29 @@ void end_where_improbable(std::vector<TimedImpact>& track) {
   while (track.size() > 3 && track.back().inferred && track.back().probability < kLeast) track.pop_back();
 }
 
-/// The places that the sound has where an impact is expected; absent where it is there.
-std::optional<ImpactFit> find_where_expected(ImpactTimer& timer, const std::vector<TimedImpact>& track, std::size_t k,
-                                             const ExpectedLogEps& log_eps) {
-  const double before_s = track[k - 1].fit.t_s, here_s = track[k].fit.t_s, after_s = track[k + 1].fit.t_s;
-  if (log_eps.width == 0.0 || !(before_s < here_s && here_s < after_s)) return {};
+/// Where the intervals around an impact expect it.
+struct ExpectedPlace {
+  double t_s = 0.0;
+  double reach_s = 0.0;  ///< what is farther off is unexpected
+  double most_s = 0.0;   ///< what is farther off is a neighbour's
+};
+
+/// Absent at the ends of a track, and where it is too short to tell.
+std::optional<ExpectedPlace> expected_place(const std::vector<TimedImpact>& track, std::size_t k,
+                                            const ExpectedLogEps& log_eps) {
+  if (k == 0 || k + 1 == track.size() || log_eps.width == 0.0) return {};
+  const double before_s = track[k - 1].fit.t_s, after_s = track[k + 1].fit.t_s;
+  if (!(before_s < track[k].fit.t_s && track[k].fit.t_s < after_s)) return {};
   // t = t_{k-1} + D / (1 + eps) between neighbours D apart
   const double eps = exp(log_eps.centre), both_s = after_s - before_s;
-  const double expected_s = before_s + both_s / (1.0 + eps);
-  const double sigma_s = both_s * eps / square(1.0 + eps) * log_eps.width;
-  const double reach_s = kDelay.unexpected * sigma_s;
-  if (std::abs(here_s - expected_s) < reach_s) return {};
-  const double most_s = kDelay.most_of_interval * std::min(expected_s - before_s, after_s - expected_s);
-  return timer.search(expected_s, std::min(reach_s, most_s), after_s);
+  const double t_s = before_s + both_s / (1.0 + eps);
+  return ExpectedPlace{t_s, kDelay.unexpected * both_s * eps / square(1.0 + eps) * log_eps.width,
+                       kDelay.most_of_interval * std::min(t_s - before_s, after_s - t_s)};
 }
 
 /// Adds, to each impact that is not where the intervals around it expect it, the places that the sound has where it is
-/// expected: its candidate may be another sound, or it was searched for beside a neighbour that was in the wrong place.
-/// The sound then decides between all of them.
+/// expected: its candidate may be another sound, or it was searched for beside a neighbour that was in the wrong place;
+/// and, where the template does not explain it, all far places. The sound then decides between all of them.
 /// @param timer  that knows no impact
 /// @param track  in time order
 /// @return whether an impact is at another place now
@@ -332,12 +340,20 @@ bool add_predicted_places(ImpactTimer timer, std::vector<TimedImpact>& track) {
   const std::vector<ExpectedLogEps> expected = expected_log_eps(track, t_s);
   bool has_moved = false;
   for (std::size_t k = 0; k < track.size(); ++k) {
-    if (k > 0 && k + 1 < track.size())
-      if (const auto found = find_where_expected(timer, track, k, expected[k])) {
-        const double before_s = track[k].fit.t_s;
-        track[k].fit = merged(with_fewer_places(track[k].fit), with_fewer_places(*found), 1.0 / timer.rate_hz());
-        has_moved = has_moved || track[k].fit.t_s != before_s;
-      }
+    TimedImpact& impact = track[k];
+    const double before_s = impact.fit.t_s;
+    const std::optional<ExpectedPlace> place = expected_place(track, k, expected[k]);
+    const bool is_there = place && std::abs(before_s - place->t_s) < place->reach_s;
+    // neighbours that expect it anywhere within so long exclude no other place
+    if (impact.not_explained && !(is_there && place->reach_s < kDelay.least_interval_s)) {
+      impact.fit = find_everywhere(timer, impact.rise_s, impact.fit, *impact.not_explained, impact.until_s);
+      impact.not_explained.reset();
+    }
+    if (place && !is_there) {
+      const ImpactFit found = timer.search(place->t_s, std::min(place->reach_s, place->most_s), track[k + 1].fit.t_s);
+      impact.fit = merged(with_fewer_places(impact.fit), with_fewer_places(found), 1.0 / timer.rate_hz());
+    }
+    has_moved = has_moved || impact.fit.t_s != before_s;
     timer.subtract_from_later(track[k].fit);
   }
   return has_moved;
