@@ -19,7 +19,7 @@ namespace {
 /// The law of one constant.
 LawFitConfig viscoelastic(LawFitConfig config, const LawFit& fitted) {
   config.kind = LawKind::viscoelastic;
-  config.n_goodness = config.n_bootstrap = 0;
+  config.n_goodness = 0;
   config.node_speeds_mps.clear();
   for (const NodeEstimate& node : fitted.nodes) config.node_speeds_mps.push_back(node.v_mps);
   return config;

@@ -48,8 +48,6 @@ Description members_of(const FitConfig*) {
           "that of a rough ball); auto: memory from 5 drops of 30 impacts on average on")
           .one_of("auto,asymmetric-laplace,memory")
           .set_by(set_method),
-      member<&C::law, &LawFitConfig::n_bootstrap>("bootstrap", "Replicates of the bootstrap by drop, 0 = none")
-          .within(0, 1e5),
       member<&C::n_goodness>(
           "goodness_replicates",
           "Replicates of the Anderson-Darling test, 0 = none; of fewer than 100 samples there is none")

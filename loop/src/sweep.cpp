@@ -90,7 +90,8 @@ std::vector<SweepValue> values_of(const LoopResult& loop, const std::vector<doub
     }
   for (const double v : {0.3, 0.6, 1.0}) {
     const fit::HistogramFit* window = window_at(loop.direct, v);
-    values.add(formatted("p_exponentials_%.1f_simulation", v), window ? window->p_value : std::nullopt);
+    values.add(formatted("p_exponentials_%.1f_simulation", v),
+               window && window->pearson ? std::optional(window->pearson->p_value) : std::nullopt);
   }
   values.add_estimate("width_exponent", loop.sound.budget.width_exponent);
   return values.all;

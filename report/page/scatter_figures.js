@@ -16,8 +16,7 @@ function drawHistogram(parent, h) {
     error_y: {type: 'data', array: used.map(k => Math.sqrt(h.bins.counts[k]) / unit), thickness: 1, width: 0, color: grey},
     marker: {size: 4.5, color: blue}, text: used.map(k => h.bins.counts[k]), hovertemplate: 'ε = %{x:.4f}<br>%{text} samples<extra></extra>',
   }];
-  const normal = (h.shapes || []).find(s => s.shape === 'normal');
-  if (normal) traces.push({x, y: normal.expected.map(n => n / unit), type: 'scatter', mode: 'lines', line: {color: grey, width: 1.2, dash: 'dot'}, hoverinfo: 'skip'});
+  if (h.normal) traces.push({x, y: h.normal.expected.map(n => n / unit), type: 'scatter', mode: 'lines', line: {color: grey, width: 1.2, dash: 'dot'}, hoverinfo: 'skip'});
   if (h.curve && h.curve.eps)
     traces.push({x: h.curve.eps, y: h.curve.density, type: 'scatter', mode: 'lines', line: {color: red, width: 1.8}, hoverinfo: 'skip'});
   const theory = expectedDensity(h);

@@ -53,17 +53,15 @@ function constantsTable() {
     add('p', {class: 'caption'}, why);
     return;
   }
-  const byDrop = named.some(([, e]) => known(e.se_independent)), boot = named.some(([, e]) => e.bootstrap);
+  const byDrop = named.some(([, e]) => known(e.se_independent));
   const ofLoop = Object.fromEntries(((summary && summary.constants) || []).map(c => [c.name, c])), afterLoop = named.some(([name]) => ofLoop[name]);
   const beside = (name, e) => {
     const {truth, from_true_times: a} = ofLoop[name] || {};
     return [number(truth, 6), a ? measured(a.value, a.se) : '–', pull(e.value, e.se, truth)];
   };
   const rows = named.map(([name, e]) => [name, measured(e.value, e.se), interval(e.ci95), ...(afterLoop ? beside(name, e) : []),
-                                         ...(byDrop ? [known(e.se_independent) ? e.se_independent.toPrecision(2) : '–'] : []),
-                                         ...(boot ? [e.bootstrap ? e.bootstrap.se.toPrecision(2) : '–', interval((e.bootstrap || {}).ci95)] : [])]);
-  table('Constants of the law', ['quantity', 'value ± standard error', '95% interval', ...(afterLoop ? ['truth', 'from true times', 'pull'] : []), ...(byDrop ? ['error if impacts were independent'] : []),
-                                 ...(boot ? ['bootstrap error', 'bootstrap 95%'] : [])], rows,
+                                         ...(byDrop ? [known(e.se_independent) ? e.se_independent.toPrecision(2) : '–'] : [])]);
+  table('Constants of the law', ['quantity', 'value ± standard error', '95% interval', ...(afterLoop ? ['truth', 'from true times', 'pull'] : []), ...(byDrop ? ['error if impacts were independent'] : [])], rows,
         `ε(v) = 1 + Σ Cᵢ Aᵢ v^(i/10), v in m/s; C₂ = −1.153449, C₄ = 0.798267, C₅ = 4/15. Maximum likelihood${withMemory ? ' of each impact given the earlier ones of its drop (with memory)' : ', the scatter as two exponentials, one to either side, with a normal part; the law is its peak'}. ${why}`.trim());
   const quality = [], good = fit.goodness || {}, covariance = constants.covariance || [];
   covariance.forEach((row, i) => row.forEach((c, j) => i < j && quality.push(`correlation ${constants.parameters[i]} ${constants.parameters[j]} ${number(c / Math.sqrt(covariance[i][i] * covariance[j][j]), 4)}`)));
@@ -94,16 +92,14 @@ function otherLaws() {
 }
 
 function histogramTables() {
-  const used = ((fit && fit.histograms) || []).filter(h => h.slope_rising && h.slope_ratio);
-  foldedTable('p(ε) at fixed speed', ['window', 'n', 'below / above', 'peak ε', 'rising slope', 'falling slope', 'falling / rising (95%)', 'p', 'p equal slopes'],
+  const used = ((fit && fit.histograms) || []).filter(h => h.slope_rising && h.slope_ratio), p = of => of.pearson ? number(of.pearson.p_value, 3) : '–';
+  foldedTable('p(ε) at fixed speed', ['window', 'n', 'below / above', 'peak ε', 'rising slope', 'falling slope', 'falling / rising (95%)', 'p'],
         used.map(h => [speed(h.v_mps), number(h.n), `${h.bins.underflow} / ${h.bins.overflow}`, estimated(h.peak_eps), estimated(h.slope_rising), estimated(h.slope_falling),
-                       `${number(h.slope_ratio.value, 3)} (${interval(h.slope_ratio.ci95)})`, number(h.p_value, 3), number(h.p_equal_slopes, 3)]),
+                       `${number(h.slope_ratio.value, 3)} (${interval(h.slope_ratio.ci95)})`, p(h)]),
         'Two exponentials, unbinned, timing noise taken out, the law’s drift inside the window taken out; intervals by profile likelihood. Below / above: samples outside the bins of the picture.');
-  const shape = (h, name) => (h.shapes || []).find(s => s.shape === name);
-  const cell = s => s ? `${number(Math.round(10 * s.delta_aic) / 10, 6)} (p ${number(s.p_value, 2)})` : '–';
-  foldedTable('Which shape?', ['window', 'two exponentials', 'normal'],
-        used.filter(h => (h.shapes || []).length).map(h => [speed(h.v_mps), ...['two_exponentials', 'normal'].map(name => cell(shape(h, name)))]),
-        'ΔAIC against the two exponentials of the same samples, each shape with the timing errors: positive speaks for the two exponentials. p: of χ².');
+  foldedTable('Two exponentials or a normal?', ['window', 'ΔAIC', 'p two exponentials', 'p normal'],
+        used.filter(h => h.normal).map(h => [speed(h.v_mps), number(Math.round(10 * h.normal.delta_aic) / 10, 6), p(h), p(h.normal)]),
+        'AIC of the normal less that of the two exponentials of the same samples, both with the timing errors: positive speaks for the two exponentials. p: of χ².');
 }
 
 function timingTable() {

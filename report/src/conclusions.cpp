@@ -28,11 +28,10 @@ Conclusion not_normal(const FitResult& rough) {
                             "smallest AIC(normal) − AIC(two exponentials) of the windows", "above 10 in every window");
   double largest_p = 0.0;
   for (const HistogramFit* h : fitted(rough)) {
-    if (!h->delta_aic_gaussian) continue;
-    if (!c.value || *h->delta_aic_gaussian < *c.value)
-      c.value = *h->delta_aic_gaussian, c.detail = formatted("smallest at %.1f m/s", h->v_mps);
-    for (const ShapeFit& s : h->shapes)
-      if (s.shape == DensityShape::normal && s.p_value) largest_p = std::max(largest_p, *s.p_value);
+    if (!h->normal) continue;
+    if (!c.value || h->normal->delta_aic < *c.value)
+      c.value = h->normal->delta_aic, c.detail = formatted("smallest at %.1f m/s", h->v_mps);
+    if (h->normal->pearson) largest_p = std::max(largest_p, h->normal->pearson->p_value);
   }
   c.holds = c.value && *c.value > 10.0;
   if (c.value) c.detail += formatted("; largest p-value of a normal (Pearson's χ²) %.2g", largest_p);

@@ -83,14 +83,15 @@ std::string scatter_as_assumed(const FitResult& r) {
                       test->p_value)
                 : "";
   }
-  if (!law.p_value || r.constants.status == FitStatus::not_applicable) return "";
-  if (*law.p_value < 0.001)
-    return formatted(" The scatter is not as the fit assumes (p = %.1e, the chance of a worse one); ", *law.p_value) +
+  if (!law.pearson || r.constants.status == FitStatus::not_applicable) return "";
+  if (law.pearson->p_value < 0.001)
+    return formatted(" The scatter is not as the fit assumes (p = %.1e, the chance of a worse one); ",
+                     law.pearson->p_value) +
            (law.drops.errors == ErrorBasis::by_drop ? "errors between drops do not depend on it."
                                                     : "errors may be too small.");
   return formatted(
       " The samples are scattered as the fit assumes (χ²/ndf = %.2f, 1 expected; p = %.2g, the chance of a worse one).",
-      *law.chi2 / static_cast<double>(*law.ndf), *law.p_value);
+      law.pearson->chi2 / law.pearson->ndf, law.pearson->p_value);
 }
 
 std::string certainty(const FitResult& r, const SampleConditions& conditions) {
@@ -152,16 +153,16 @@ std::string gaussian(const std::vector<HistogramFit>& histograms) {
   double least = HUGE_VAL, most = -HUGE_VAL;
   std::vector<std::string> ratios;
   for (const HistogramFit& h : histograms) {
-    if (!h.delta_aic_gaussian) continue;
+    if (!h.normal) continue;
     ++n;
-    n_against += *h.delta_aic_gaussian > kDecided;
-    n_for += *h.delta_aic_gaussian < -kDecided;
+    n_against += h.normal->delta_aic > kDecided;
+    n_for += h.normal->delta_aic < -kDecided;
     n_unequal += slopes_differ(h).value_or(false);
     if (h.slope_ratio && h.slope_ratio->ci95)
       ratios.push_back(formatted("; falling over rising at %.2g m/s: %.2f (95 %%: %.3f to %.3f)", h.v_mps,
                                  h.slope_ratio->value, h.slope_ratio->ci95->lo, h.slope_ratio->ci95->hi));
-    least = std::min(least, *h.delta_aic_gaussian);
-    most = std::max(most, *h.delta_aic_gaussian);
+    least = std::min(least, h.normal->delta_aic);
+    most = std::max(most, h.normal->delta_aic);
   }
   if (n == 0) return "Not known: too few samples at any one speed.";
   const auto of = [&](std::size_t k) { return formatted("%zu of %zu", k, n); };

@@ -126,7 +126,6 @@ constexpr Wording kWordings[]{
      "heights to see more"},
     {Kind::two_terms, detail, "{0} samples are too few for more than two terms of the law"},
     {Kind::one_constant, detail, "{0} samples are too few for a law: one ε is fitted to all speeds"},
-    {Kind::no_bootstrap, detail, "there is no bootstrap by drop: it needs at least 8 drops"},
     {Kind::few_drops, detail,
      "{s}: standard errors of constants and slopes of p(ε) assume independent impacts, those of slopes may be "
      "1.7 times too small at low speeds; record 10 drops or more"},

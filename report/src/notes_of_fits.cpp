@@ -41,14 +41,14 @@ void note_law(const FitResult& result, Notes& notes) {
   const LawFit& law = result.law;
   if (result.constants.status == FitStatus::not_applicable) return;  // they are none about it
   // with memory the impacts need not scatter as if they were independent
-  if (law.p_value && *law.p_value < 0.001 && !memory_holds(result)) {
+  if (law.pearson && law.pearson->p_value < 0.001 && !memory_holds(result)) {
     double ratio = 0.0;
     for (const ResidualBin& bin : law.residuals) ratio += bin.scatter_ratio / static_cast<double>(law.residuals.size());
     if (ratio < 0.8)
       notes.push_back({NoteKind::timing_too_large, {ratio}});
     else
       notes.push_back({NoteKind::scatter_not_as_fitted,
-                       {*law.chi2 / static_cast<double>(*law.ndf), *law.p_value},
+                       {law.pearson->chi2 / law.pearson->ndf, law.pearson->p_value},
                        law.drops.errors == ErrorBasis::by_drop
                            ? "the standard errors come from the differences between drops and do not depend on it"
                            : "the standard errors may be too small"});

@@ -119,7 +119,7 @@ std::string contradicted(const Curve& curve) {
 std::optional<double> common_speed(const std::vector<RecordingFit>& rows) {
   std::map<double, std::size_t> n_at;
   for (const RecordingFit& row : rows)
-    for (const NodeEstimate& node : row.nodes) ++n_at[node.v_mps];
+    for (const NodeEstimate& node : row.law.nodes) ++n_at[node.v_mps];
   std::size_t most = 0;
   for (const auto& [v_mps, n] : n_at) most = std::max(most, n);
   std::vector<double> best;
@@ -139,7 +139,7 @@ std::string extremes(const std::vector<RecordingFit>& rows) {
   std::string what = "the difference from the common curve";
   if (const auto v_mps = common_speed(rows)) {
     for (const RecordingFit& row : rows)
-      for (const NodeEstimate& node : row.nodes)
+      for (const NodeEstimate& node : row.law.nodes)
         if (node.v_mps == *v_mps) values.emplace_back(node.eps.value, &row);
     if (values.size() > 1) what = formatted("ε at %.3g m/s", *v_mps);
   }
@@ -170,10 +170,10 @@ std::vector<RecordingAnswer> answers_by_recording(const FitResult& result, const
   for (const RecordingFit& row : result.recordings.rows) {
     RecordingAnswer answer{row.recording,
                            {},
-                           row.nodes.empty() && row.why ? in_words(*row.why) : "",
+                           row.law.nodes.empty() && row.law.why ? in_words(*row.law.why) : "",
                            drops_seen(of[row.recording], heights_of(result))};
     const NodeEstimate* nearest = nullptr;
-    for (const NodeEstimate& node : row.nodes)
+    for (const NodeEstimate& node : row.law.nodes)
       if (!nearest || std::abs(node.v_mps - *v_mps) < std::abs(nearest->v_mps - *v_mps)) nearest = &node;
     if (nearest) answer.at = at_node(*nearest, result.law.scatter);
     answers.push_back(std::move(answer));

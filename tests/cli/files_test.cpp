@@ -44,8 +44,6 @@ TEST_F(Files, NoOutputReplacesAnInput) {
   expect_kept("simulate --law table:law.csv --out law.csv --force", {"law.csv", "is the input"});
   ASSERT_EQ(run("simulate --drops 1 --impacts 9 --asperities 99 --out sim.csv").exit_code, 0);
   expect_kept("restitution sim.csv --out sim.csv.meta.json --force", {"sim.csv.meta.json", "is the input"});
-  write("p.csv", "drop,impact,x_m,y_m\n0,0,0,0\n");
-  expect_kept("restitution on.csv --positions p.csv --out p.csv --force", {"p.csv", "is the input"});
   fs::create_directory(folder_ / "out");
   write("out/onsets.csv", "rec.wav\n");
   expect_kept("analyze --list out/onsets.csv --out out --force", {"out/onsets.csv", "is the input"});
@@ -159,8 +157,7 @@ TEST_F(Files, WhatCannotBeAnInputIsRefusedInOneLine) {
     expect_one_line_error(run(command), 3, {"folder"});
   expect_one_line_error(shell("timeout 60 \"$B\" fit /dev/zero --out f.json"), 3, {"/dev/zero", "device"});
   expect_one_line_error(shell("timeout 60 \"$B\" detect - --out o.csv </dev/zero"), 3, {"standard input", "device"});
-  expect_one_line_error(shell("cat on.csv | \"$B\" restitution - --positions - --out x.csv"), 2,
-                        {"standard input", "only once"});
+  expect_one_line_error(shell("cat on.csv | \"$B\" restitution - - --out x.csv"), 2, {"standard input", "only once"});
   expect_one_line_error(shell("\"$B\" restitution - --out x.csv <&-"), 3, {"standard input"});
 }
 

@@ -45,7 +45,7 @@ const std::vector<Stage> kStages{
     {"restitution onsets.csv --ball steel:6mm --plate glass --out samples.csv",
      "samples.csv",
      {{"eps", 76, 74.209308420373318}}},
-    {"fit samples.csv --goodness-replicates 3 --bootstrap 3 --out fit.json --table law.csv", "fit.json", {}},
+    {"fit samples.csv --goodness-replicates 3 --out fit.json --table law.csv", "fit.json", {}},
     {"", "law.csv", {{"eps", 13, 12.690400994732865}}},
     {"restitution other.csv --out samples2.csv", "samples2.csv", {}},
     {"fit samples.csv --method memory --out memory.json", "memory.json", {}},

@@ -47,6 +47,7 @@ TEST_F(Synthesize, BadInputIsRefusedByValue) {
   expect_refused("synthesize i.csv --out r.mp3", 2, {".mp3", ".wav"});
   expect_refused("synthesize i.csv --out r.wav --together 2 --each-drop", 2, {"together", "2"});
   expect_refused("synthesize i.csv --out r.wav --robot", 2, {"--robot", "--knocks"});
+  expect_refused("fit i.csv --out r.json --bootstrap 9", 2, {"--bootstrap", "by drop"});
   write("long.csv", "drop,impact,t_s,v_mps,v_after_mps\n0,0,0.1,1,0.9\n0,1,1e9,0.9,0.8\n");
   expect_refused("synthesize long.csv --out r.wav", 2, {"drop 0, impact 1", "no drop lasts longer"});
   write("none.csv", "drop,impact,t_s,v_mps,v_after_mps\n");

@@ -71,16 +71,5 @@ TEST(UpperMedian, IsAlwaysOneOfTheValues) {
   EXPECT_EQ(upper_median({4.0, 1.0, 3.0, 2.0}), 3.0);
 }
 
-TEST(Quantile, InterpolatesBetweenTheRanks) {
-  const std::vector<double> values{0.0, 1.0, 4.0};
-  EXPECT_EQ(quantile(values, 0.0), 0.0);
-  EXPECT_EQ(quantile(values, 0.25), 0.5);
-  EXPECT_EQ(quantile(values, 0.75), 2.5);
-  EXPECT_EQ(quantile(values, 1.0), 4.0);
-  std::vector<double> many = some_values(51);
-  std::sort(many.begin(), many.end());
-  EXPECT_EQ(quantile(many, 0.5), median(many));
-}
-
 }  // namespace
 }  // namespace bouncelab

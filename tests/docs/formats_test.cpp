@@ -44,7 +44,7 @@ const std::map<std::string, Description>& all_described() {
         named<fit::RestitutionStep>("RestitutionStep"), named<fit::Rebound>("Rebound"),
         named<fit::Constants>("Constants"), named<fit::LawMisfit>("LawMisfit"),
         named<fit::ScatterModel>("ScatterModel"), named<fit::ResidualBin>("ResidualBin"),
-        named<fit::CurveNode>("CurveNode"), named<fit::MemoryFit>("MemoryFit"), named<fit::ShapeFit>("ShapeFit"),
+        named<fit::CurveNode>("CurveNode"), named<fit::MemoryFit>("MemoryFit"), named<fit::NormalFit>("NormalFit"),
         named<fit::HistogramFit>("HistogramFit"), named<fit::TimingNoise>("TimingNoise"),
         named<fit::BudgetRow>("BudgetRow"), named<fit::ErrorBudget>("ErrorBudget"),
         named<fit::RecordingsTest>("RecordingsTest"), named<fit::RecordingFit>("RecordingFit"),

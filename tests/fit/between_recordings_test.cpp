@@ -89,7 +89,7 @@ Dense dense(const std::vector<CampaignRecording>& recordings, const Design& desi
     const Eigen::MatrixXd law = design.law.jacobian(speeds, design.base);
     for (Eigen::Index i = 0; i < 3; ++i) {
       y[3 * r + i] = summary.eps[static_cast<std::size_t>(i)] - 1.0 - law.row(i).dot(design.base);
-      x.row(3 * r + i) << law.row(i), design.data.h.row(r).tail(design.data.n_fixed() - 3);
+      x.row(3 * r + i) << law.row(i), design.data.h().row(r).tail(design.data.n_fixed() - 3);
       for (Eigen::Index j = 0; j < 3; ++j)
         v(3 * r + i, 3 * r + j) = summary.covariance[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)];
     }
@@ -142,7 +142,7 @@ TEST(OffsetSolution, PredictsARecordingWithoutItAsAFitWithoutItDoes) {
   const Campaign campaign{.n = 36, .sd_plate = 2e-4, .sd_day = 2e-4, .n_days = 9, .n_plates = 6};
   const Design design = make_design(drawn(campaign));
   const Deviations deviations{3e-4, 2e-4, 1e-4};
-  const OffsetSolution all(design.data, deviations, true);
+  const OffsetSolution all(design.data, deviations);
   for (const Eigen::Index left_out : {Eigen::Index{0}, Eigen::Index{13}, Eigen::Index{35}}) {
     std::vector<Eigen::Index> others;
     for (Eigen::Index r = 0; r < design.data.n(); ++r)
@@ -150,8 +150,8 @@ TEST(OffsetSolution, PredictsARecordingWithoutItAsAFitWithoutItDoes) {
     const OffsetData data = rows_of(design.data, others);
     const auto k = static_cast<std::size_t>(left_out);
     const OffsetSolution::Residual by_fit =
-        OffsetSolution(data, deviations, true)
-            .of_another(design.data.h.row(left_out), design.data.m[left_out], design.data.variance[left_out],
+        OffsetSolution(data, deviations)
+            .of_another(design.data.h().row(left_out), design.data.m()[left_out], design.data.variance[left_out],
                         {design.data.level[0][k], design.data.level[1][k]});
     const OffsetSolution::Residual by_formula = all.without(left_out);
     EXPECT_NEAR(by_formula.value, by_fit.value, 1e-9 * by_fit.se);

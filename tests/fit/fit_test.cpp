@@ -127,7 +127,6 @@ FitConfig config_with(int n_threads) {
   FitConfig config;
   config.n_threads = n_threads;
   config.n_goodness = 9;
-  config.law.n_bootstrap = 9;
   return config;
 }
 

@@ -96,12 +96,12 @@ TEST(Recordings, RowIsTheFitOfThatRecordingAlone) {
   EXPECT_EQ(found.rows[1].recording, "b");
   for (const NodeEstimate& node : pooled.nodes) config.node_speeds_mps.push_back(node.v_mps);
   const LawFit alone = fit_law(b, config);
-  ASSERT_EQ(found.rows[1].nodes.size(), 3u);
+  ASSERT_EQ(found.rows[1].law.nodes.size(), 3u);
   for (std::size_t k = 0; k < 3; ++k) {
-    EXPECT_EQ(found.rows[1].nodes[k].eps.value, alone.nodes[k].eps.value);
-    EXPECT_EQ(found.rows[1].nodes[k].eps.ci95->lo, alone.nodes[k].eps.ci95->lo);
+    EXPECT_EQ(found.rows[1].law.nodes[k].eps.value, alone.nodes[k].eps.value);
+    EXPECT_EQ(found.rows[1].law.nodes[k].eps.ci95->lo, alone.nodes[k].eps.ci95->lo);
   }
-  EXPECT_EQ(found.rows[1].parameters.at(0).estimate.value, alone.parameters.at(0).estimate.value);
+  EXPECT_EQ(found.rows[1].law.parameters.at(0).estimate.value, alone.parameters.at(0).estimate.value);
 }
 
 TEST(Recordings, OfOneOrOfTwoSamplesAreNotCompared) {
@@ -109,7 +109,7 @@ TEST(Recordings, OfOneOrOfTwoSamplesAreNotCompared) {
   EXPECT_FALSE(one.test || few.test);
   EXPECT_TRUE(one.rows.empty());
   ASSERT_EQ(few.rows.size(), 2u);
-  EXPECT_EQ(few.rows[1].status, FitStatus::too_few_samples);
+  EXPECT_EQ(few.rows[1].law.status, FitStatus::too_few_samples);
 }
 
 TEST(Recordings, ResultDoesNotDependOnTheirOrder) {

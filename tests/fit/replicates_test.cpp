@@ -58,56 +58,6 @@ TEST(AndersonDarling, RejectsAScatterOfAnotherShape) {
   EXPECT_DOUBLE_EQ(fit.anderson_darling->p_value, 1.0 / 50.0);  // none of 49 replicates lies so far off
 }
 
-TEST(Bootstrap, ByDropAgreesWithTheInformationWhereSamplesAreIndependent) {
-  LawFitConfig config;
-  config.intervals = IntervalMethod::covariance;
-  config.n_bootstrap = 200;
-  const auto fit = fit_law(independent_samples({}, 6000, 0.2, 1.4, 2e-4), config);
-  for (const auto& node : fit.nodes) {
-    ASSERT_TRUE(node.eps.bootstrap);
-    // 200 replicates know a standard error to 5 %, 63 drops to 9 %; the kink's grain adds some
-    EXPECT_NEAR(node.eps.bootstrap->se / *node.eps.se, 1.0, 0.35) << node.v_mps;
-    EXPECT_NEAR((node.eps.bootstrap->ci95.hi - node.eps.bootstrap->ci95.lo) / (3.92 * node.eps.bootstrap->se), 1.0,
-                0.25);
-  }
-  EXPECT_TRUE(fit.parameters.at(0).estimate.bootstrap);
-}
-
-TEST(Bootstrap, ByDropSeesWhatDropsHaveInCommon) {
-  // every drop with an offset of its own, three times the error of its mean: independent errors are too small by that
-  SyntheticRun run;
-  auto samples = independent_samples(run, 40 * 95, 0.2, 1.4, 0.0);
-  for (auto& s : samples) s.eps += 3e-4 * std::sin(12.9898 * static_cast<double>(s.drop + 1) * 78.233);
-  LawFitConfig config;
-  config.intervals = IntervalMethod::covariance;
-  config.kind = LawKind::constant;
-  config.n_bootstrap = 200;
-  for (auto& s : samples) s.eps += 0.98 - restitution(run.law, s.v_mps);
-  const auto fit = fit_law(samples, config);
-  EXPECT_GT(fit.nodes.at(0).eps.bootstrap->se, 2.0 * *fit.nodes.at(0).eps.se_independent);
-}
-
-TEST(Bootstrap, IntervalsAreQuantilesOfTheReplicates) {
-  std::vector<double> values;
-  for (int k = 0; k <= 1000; ++k) values.push_back(k);
-  const BootstrapErrors errors = bootstrap_errors(values);
-  // between neighbours in proportion; rounding
-  for (const auto& [found, expected] :
-       {std::pair{errors.ci95.lo, 25.0}, {errors.ci95.hi, 975.0}, {errors.ci68.lo, 158.66}, {errors.ci68.hi, 841.34}})
-    EXPECT_NEAR(found, expected, 1e-9);
-}
-
-TEST(Bootstrap, OfOneDropIsNotPretended) {
-  auto samples = independent_samples({}, 300, 0.2, 1.4, 0.0);
-  for (auto& s : samples) s.drop = 0;
-  LawFitConfig config;
-  config.n_bootstrap = 50;
-  const auto fit = fit_law(samples, config);
-  EXPECT_FALSE(fit.nodes.at(0).eps.bootstrap);
-  ASSERT_EQ(fit.notes.size(), 1u);
-  EXPECT_EQ(fit.notes[0].kind, NoteKind::no_bootstrap);
-}
-
 TEST(LawComparison, FindsTheLawThatWasPutIn) {
   LawFitConfig config;
   config.intervals = IntervalMethod::covariance;

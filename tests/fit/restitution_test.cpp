@@ -113,7 +113,7 @@ TEST(Restitution, BreaksTheChainAtADoubtfulOnsetOfUnknownErrorAndAtOneThatIsLess
   EXPECT_EQ(n_clean(r.samples), 7u);
   for (const auto& s : r.samples) EXPECT_NEAR(s.eps, 0.9, 1e-12);
   EXPECT_EQ(r.counts.breaks.at(Flag::doubtful), 1u);
-  for (const Flag flag : {Flag::improbable, Flag::inferred, Flag::no_position}) {
+  for (const Flag flag : {Flag::improbable, Flag::inferred}) {
     onsets = onsets_at(geometric_times(0.2, 0.9, 12));
     onsets[0].flags = {Flag::doubtful, flag};
     onsets[11].flags = {flag};
@@ -227,7 +227,8 @@ std::string text_of(const RestitutionSamples& samples) {
   return text.str();
 }
 
-void expect_the_same_in_pieces(const RestitutionConfig& config, const Onsets& onsets = many_onsets()) {
+void expect_the_same_in_pieces(const RestitutionConfig& config) {
+  const Onsets onsets = many_onsets();
   const Restitution whole = restitution_samples(onsets, config);
   ASSERT_GT(whole.samples.size(), 100U);
   for (const std::size_t piece : {1U, 13U, 1000U}) {
@@ -245,7 +246,6 @@ void expect_the_same_in_pieces(const RestitutionConfig& config, const Onsets& on
     const RestitutionCounts &a = pieces.counts(), &b = whole.counts;
     EXPECT_EQ(std::tie(a.n_onsets, a.n_drops, a.n_samples, a.n_flagged, a.breaks),
               std::tie(b.n_onsets, b.n_drops, b.n_samples, b.n_flagged, b.breaks));
-    EXPECT_EQ(a.rms_shift_travel_time, b.rms_shift_travel_time);
   }
 }
 
@@ -255,13 +255,6 @@ TEST(RestitutionInPieces, GivesTheSameSamplesAndCountsHoweverTheOnsetsAreCut) {
   corrected.ball = ball_from_text("steel:6mm");
   corrected.plate = plate_from_text("glass");
   expect_the_same_in_pieces(corrected);
-  TravelTime travel{2500.0, 0.1, 0.05, {}};  // of one recording
-  Onsets onsets = many_onsets();
-  std::erase_if(onsets, [](const Onset& onset) { return onset.recording != "b.wav"; });
-  for (const Onset& onset : onsets)
-    travel.position_m[{onset.drop, onset.impact}] = {1e-3 * static_cast<double>(onset.impact), 0.0};
-  corrected.travel_time = travel;
-  expect_the_same_in_pieces(corrected, onsets);
 }
 
 RestitutionSample sample(const std::string& recording, std::int64_t drop, std::int64_t impact, double v_mps) {
@@ -292,56 +285,6 @@ TEST(PredictIntervals, PredictNothingWithoutALaw) {
   const auto intervals = predict_intervals({sample("a.wav", 0, 1, 1.0)}, "a.wav", 0, std::nullopt, 9.81);
   ASSERT_EQ(intervals.size(), 1u);
   EXPECT_FALSE(intervals[0].predicted_s);
-}
-
-/// A ball that wanders: a new random velocity at each impact, detected through a plate.
-struct Wandering {
-  Onsets true_times, detected;
-  TravelTime travel{2500.0, 0.1, 0.05, {}};
-};
-Wandering wandering_ball() {
-  testing::SyntheticRun run;
-  run.n_drops = 5;
-  Wandering w;
-  w.true_times = w.detected = synthetic_onsets(run);
-  Random random(3, RandomStream::test, 0);
-  double x = 0.0, y = 0.0;
-  for (Onset& onset : w.detected) {
-    if (onset.impact == 0) x = y = 0.0;
-    x += 0.002 * random.normal();
-    y += 0.002 * random.normal();
-    w.travel.position_m[{onset.drop, onset.impact}] = {x, y};
-    onset.t_s += std::hypot(x - 0.1, y - 0.05) / 2500.0;
-  }
-  return w;
-}
-
-TEST(TravelTime, SamplesAreThoseOfTheTrueTimesAndTheCorrectionIsShown) {
-  const Wandering w = wandering_ball();
-  RestitutionConfig config;
-  config.travel_time = w.travel;
-  const auto corrected = restitution_samples(w.detected, config), truth = restitution_samples(w.true_times, {});
-  ASSERT_EQ(corrected.samples.size(), truth.samples.size());
-  for (std::size_t k = 0; k < truth.samples.size(); ++k)
-    EXPECT_NEAR(corrected.samples[k].eps, truth.samples[k].eps, 1e-10);
-  // steps of 2 mm along the line of sight are 0.8 us; sqrt(1 + (1+e)^2 ...) of them over intervals of 40 to 270 ms
-  EXPECT_GT(*corrected.counts.rms_shift_travel_time, 5e-6);
-  EXPECT_LT(*corrected.counts.rms_shift_travel_time, 1e-4);
-}
-
-TEST(TravelTime, AnImpactWithoutAPositionBreaksTheChainThereAndNowhereElse) {
-  Wandering w = wandering_ball();
-  w.travel.position_m.erase({2, 40});
-  RestitutionConfig config;
-  config.travel_time = w.travel;
-  const auto result = restitution_samples(w.detected, config);
-  EXPECT_EQ(result.counts.breaks.at(Flag::no_position), 1u);
-  EXPECT_EQ(result.samples.size(), restitution_samples(w.true_times, {}).samples.size() - 3);
-}
-
-TEST(TravelTime, RejectsASpeedThatIsNone) {
-  TravelTime travel;
-  EXPECT_THROW(without_travel_time({}, travel), InvalidArgument);
 }
 
 TEST(Restitution, AMissedImpactIsFlaggedAndTheScatterOfAStopWatchIsNot) {

@@ -78,7 +78,7 @@ TEST(Sweeps, CountTheDropsThatMadeAllTheirImpactsAndTestTheExponentials) {
   }
   fit::HistogramFit window;
   window.v_mps = 0.6;
-  window.p_value = 0.25;
+  window.pearson = {.p_value = 0.25};
   loop.direct.histograms = {window};
   const Table table = to_table({sweep_point({}, loop, {0.6})});
   EXPECT_EQ((*table.reals("share_complete"))[0], 0.5);

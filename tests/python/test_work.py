@@ -13,7 +13,7 @@ from support import Case, small_impacts, small_sound
 
 LONG = {
     "simulate": "bl.simulate(drops=100000)",
-    "fit": "bl.fit(samples, bootstrap=50000, goodness_replicates=50000)",
+    "fit": "bl.fit(samples, goodness_replicates=50000)",
     "detect": "[bl.detect(noise, 44100) for _ in range(100)]",  # each takes a second
 }
 # the state of what follows, and the work; SIGINT comes while it goes on
@@ -83,7 +83,7 @@ class Progress(Case):
         works = [(lambda p: bl.simulate(drops=30, impacts=30, asperities=20000, progress=p), "simulate", "drops"),
                  (lambda p: small_sound(bl, impacts, progress=p), "synthesize", "segments"),
                  (lambda p: bl.detect(small_sound(bl, impacts), progress=p), "detect", "s of sound"),
-                 (lambda p: bl.fit(bl.Samples(v=impacts.v, eps=impacts.eps), bootstrap=10, progress=p), "fit", "fits")]
+                 (lambda p: bl.fit(bl.Samples(v=impacts.v, eps=impacts.eps), goodness_replicates=10, progress=p), "fit", "fits")]
         for work, label, unit in works:
             calls = []
             work(lambda *call: calls.append(call))

@@ -148,9 +148,7 @@ TEST(MemoryOfFitAll, GivesAnswerQuestionsAndDemCodesOneSetOfNumbers) {
 
 TEST(MemoryOfFitAll, LeavesOutTheWarningsOfImpactsTakenAsIndependent) {
   FitResult result = of_a_rough_ball();
-  result.law.p_value = 1e-9;
-  result.law.chi2 = 100.0;
-  result.law.ndf = 10;
+  result.law.pearson = {100.0, 10.0, 1e-9};
   const auto warns = [&] {
     const FitInWords words = in_words(result, drops(true));
     return std::any_of(words.notes.begin(), words.notes.end(),

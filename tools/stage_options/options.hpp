@@ -91,14 +91,10 @@ struct RestitutionOptions {
   std::string out;
   ForeignFileOptions foreign;  ///< of onsets that this program did not write
   fit::RestitutionConfig config;
-  BallChoice world;       ///< where a part is not named, that of `config`
-  std::string positions;  ///< of the impacts, for the correction of travel times; empty: no correction
-  std::vector<double> sensor_m{0.0, 0.0};
+  BallChoice world;  ///< where a part is not named, that of `config`
 };
-/// All but the files, what they are, the ball, and what `config` has.
-Description members_of(const RestitutionOptions*);
 
-/// With the ball and the plate that were chosen; positions are not read.
+/// With the ball and the plate that were chosen.
 fit::RestitutionConfig with_ball(const RestitutionOptions& options);
 
 /// What `synthesize` and `loop` let the user choose of the sound. Texts are read by synthesis_config().

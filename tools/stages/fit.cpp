@@ -27,8 +27,6 @@ std::string describe(const fit::RestitutionCounts& counts) {
   std::string line =
       fmt::format("{} coefficient{} of restitution from {} of {}", counts.n_samples, counts.n_samples == 1 ? "" : "s",
                   counted(counts.n_onsets, "onset"), counted(counts.n_drops, "drop"));
-  if (counts.rms_shift_travel_time)
-    line += fmt::format("; corrected for travel time, eps by {:.2g} rms", *counts.rms_shift_travel_time);
   for (const auto& [reason, n] : counts.breaks)
     line += fmt::format("; chain broken {}: {}", counted(n, "time"), name_of(reason));
   if (counts.n_flagged > 0)
@@ -78,24 +76,13 @@ fit::RestitutionCounts restitution_of_files(const std::vector<std::filesystem::p
 }  // namespace
 
 std::vector<Section> sections_of(RestitutionOptions& options) {
-  const std::string heading = "Coefficients of restitution";
   return {ball_section(options.world,
                        "those of the simulation that the onsets come from (.meta.json), else not known: "
                        "drag and contact time are then open"),
-          section_of(options.config, heading), section_of(options, heading)};
+          section_of(options.config, "Coefficients of restitution")};
 }
 std::vector<Section> sections_of(FitOptions& options) {
   return {ball_section(options.world, "what the samples say"), section_of(options.config, "Fit")};
-}
-
-fit::RestitutionConfig restitution_config(const RestitutionOptions& options) {
-  fit::RestitutionConfig config = with_ball(options);
-  if (options.positions.empty()) return config;
-  const Table positions = read_table(options.positions, fit::position_columns());
-  check_columns(positions, fit::position_columns(), options.positions);
-  config.travel_time =
-      fit::travel_time_from_table(positions, config.wave_speed_mps, options.sensor_m[0], options.sensor_m[1]);
-  return config;
 }
 
 Object summary_of(const fit::RestitutionCounts& counts, const fit::RestitutionConfig& config) {
@@ -107,18 +94,15 @@ Object summary_of(const fit::RestitutionCounts& counts, const fit::RestitutionCo
 
 Outcome run_restitution(const RestitutionOptions& options, const Run& run) {
   std::vector<std::filesystem::path> inputs(options.onsets.begin(), options.onsets.end());
-  inputs.emplace_back(options.positions);
   check_files(run, with_onsets_beside(inputs), {options.out});
-  const fit::RestitutionConfig config = restitution_config(options);
+  const fit::RestitutionConfig config = with_ball(options);
   Outcome outcome;
-  inputs.pop_back();
   inputs = each_once(inputs, run.common.n_threads, "onsets", outcome.notes);
   TableWriter samples(run, options.out);
   std::vector<std::string> taken_for;
   const fit::RestitutionCounts counts =
       restitution_of_files(inputs, config, options.foreign, samples, taken_for, outcome.notes);
   inputs = with_onsets_beside(std::move(inputs));
-  if (!options.positions.empty()) inputs.emplace_back(options.positions);
   outcome.text = lines_of(taken_for) + describe(counts) + "\n";
   if (config.ball)
     outcome.text +=

@@ -85,8 +85,6 @@ Outcome detection_outcome(const Recordings& recordings, std::vector<Note> notes)
 Outcome run_detect(const DetectOptions& options, const Run& run);
 
 std::vector<Section> sections_of(RestitutionOptions& options);
-/// What the options describe, with the positions of their file. @throws InvalidArgument, FileError
-fit::RestitutionConfig restitution_config(const RestitutionOptions& options);
 
 /// What --json prints.
 Object summary_of(const fit::RestitutionCounts& counts, const fit::RestitutionConfig& config);

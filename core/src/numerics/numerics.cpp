@@ -114,12 +114,4 @@ double upper_median(std::vector<double> values) {
   return order_statistic(std::move(values), middle);
 }
 
-double quantile(std::span<const double> sorted, double p) {
-  assert(!sorted.empty() && p >= 0.0 && p <= 1.0);
-  const double at = p * (static_cast<double>(sorted.size()) - 1.0);
-  const auto k = static_cast<std::size_t>(at);
-  const double rest = at - static_cast<double>(k);
-  return k + 1 < sorted.size() ? sorted[k] + rest * (sorted[k + 1] - sorted[k]) : sorted[k];
-}
-
 }  // namespace bouncelab

@@ -14,8 +14,8 @@ namespace bouncelab {
 
 namespace {
 
-constexpr std::string_view kFlagNames[]{"by_hand",  "clipped",        "doubtful",    "extra_impact", "improbable",
-                                        "inferred", "missing_impact", "no_position", "not_finite",   "overlap"};
+constexpr std::string_view kFlagNames[]{"by_hand",  "clipped",        "doubtful",   "extra_impact", "improbable",
+                                        "inferred", "missing_impact", "not_finite", "overlap"};
 
 }  // namespace
 

@@ -153,7 +153,7 @@ UnitSamples units_of(const std::vector<RestitutionSamples>& recordings, const st
   std::vector<UnitGroup> groups;
   for (std::size_t r = 0; r < recordings.size(); ++r)
     if (recordings[r].size() >= kFewestOfRecording)
-      groups.push_back({&recordings[r], &rows[r].outliers, &*pooled.scatter});
+      groups.push_back({&recordings[r], &rows[r].law.outliers, &*pooled.scatter});
   return unit_samples(groups, pooled, config.orders, false);
 }
 
@@ -174,22 +174,14 @@ RecordingFit row_of(const RestitutionSamples& samples, LawFitConfig config, cons
   for (const NodeEstimate& node : pooled.nodes)
     if (node.v_mps >= row.v_lo_mps && node.v_mps <= row.v_hi_mps) config.node_speeds_mps.push_back(node.v_mps);
   if (config.node_speeds_mps.empty()) config.node_speeds_mps = {v[v.size() / 2]};
-  config.n_goodness = config.n_bootstrap = 0;
+  config.n_goodness = 0;
   config.compare_laws = false;
   if (is_one_of_many) {
     constexpr std::size_t kWidthKnown = 30;  // below, fit_law takes one term without a choice
     config.intervals = IntervalMethod::covariance;
     if (config.n_scatter_terms == 0 && samples.size() >= kWidthKnown) config.n_scatter_terms = 2;
   }
-  LawFit fit = fit_law(samples, config);
-  row.n = fit.n;
-  row.n_outliers = fit.outliers.size();
-  row.outliers = std::move(fit.outliers);
-  row.status = fit.status;
-  row.why = fit.why;
-  row.kind = fit.kind;
-  row.nodes = std::move(fit.nodes);
-  row.parameters = std::move(fit.parameters);
+  row.law = fit_law(samples, config);
   return row;
 }
 
@@ -197,7 +189,7 @@ RecordingFit row_of(const RestitutionSamples& samples, LawFitConfig config, cons
 void add_offsets(const Agreement& agreement, std::vector<RecordingFit>& rows) {
   auto next = agreement.offsets.begin();
   for (RecordingFit& row : rows)
-    if (row.n + row.n_outliers >= kFewestOfRecording) row.offset = *next++;
+    if (row.law.n + row.law.outliers.size() >= kFewestOfRecording) row.offset = *next++;
 }
 
 }  // namespace

@@ -28,13 +28,6 @@ struct Judged {
 
 constexpr double kLevel = 0.05;
 
-std::array<int, 2> levels_of(const OffsetData& data, Eigen::Index r) {
-  std::array<int, 2> level{-1, -1};
-  for (std::size_t g = 0; g < 2; ++g)
-    if (data.n_levels[g] > 0) level[g] = data.level[g][static_cast<std::size_t>(r)];
-  return level;
-}
-
 /// Fits the rows that are not out, and judges all.
 Judged judged(const OffsetData& data, const std::vector<bool>& out) {
   Judged result;
@@ -42,7 +35,7 @@ Judged judged(const OffsetData& data, const std::vector<bool>& out) {
     if (!out[static_cast<std::size_t>(r)]) result.kept.push_back(r);
   result.data = rows_of(data, result.kept);
   result.deviations = restricted_maximum(result.data);
-  const OffsetSolution solution(result.data, result.deviations, true);
+  const OffsetSolution solution(result.data, result.deviations);
   const auto n = static_cast<double>(data.n());
   const ErrorsOfErrors errors(result.data, result.deviations);
   const double near = student_t_quantile(1.0 - 0.5 / n, 1e9);  // of so many rows one is so far off: p = 1
@@ -50,7 +43,7 @@ Judged judged(const OffsetData& data, const std::vector<bool>& out) {
   for (Eigen::Index r = 0; r < data.n(); ++r) {
     const bool is_out = out[static_cast<std::size_t>(r)];
     const OffsetSolution::Residual residual =
-        is_out ? solution.of_another(data.h.row(r), data.m[r], data.variance[r], levels_of(data, r))
+        is_out ? solution.of_another(data.h().row(r), data.m()[r], data.variance[r], data.levels_of(r))
                : solution.without(k++);
     Judged::Row row;
     if (residual.se > 0.0) row.standardised = residual.value / residual.se;
@@ -202,11 +195,12 @@ void describe_deviations(BetweenRecordings& result, const Design& design, const 
 /// Of all recordings used, by one law without drift, groups and tau.
 ChiSquareTest heterogeneity_of(const Design& design) {
   OffsetData data = design.data;
-  data.h = data.h.leftCols(design.n_law).eval();
+  OffsetData::Rows of_law(data.n(), design.n_law + 1);
+  of_law << data.h().leftCols(design.n_law), data.m();
+  data.h_and_m = of_law;
   data.within = data.within.topLeftCorner(design.n_law, design.n_law).eval();
   data.within_y = data.within_y.head(design.n_law).eval();
   data.n_levels = {0, 0};
-  data.prepare();
   const OffsetSolution solution(data, {0.0, 0.0, 0.0});
   ChiSquareTest test;
   test.chi2 = std::max(0.0, solution.sum_of_squares());
@@ -252,12 +246,12 @@ std::vector<GroupRow> group_rows(const GroupLabels& labels, const Judged& judged
 
 void describe_groups(BetweenRecordings& result, const Design& design, const Judged& judged, const Pool& pool) {
   const Eigen::VectorXd& beta = pool.solution().beta();
-  const Eigen::VectorXd of_law = judged.data.m - judged.data.h.leftCols(design.n_law) * beta.head(design.n_law);
+  const Eigen::VectorXd of_law = judged.data.m() - judged.data.h().leftCols(design.n_law) * beta.head(design.n_law);
   Eigen::VectorXd of_plates = of_law, of_days = of_law;
   for (std::size_t k = 0; k < judged.kept.size(); ++k) {
     const auto r = static_cast<Eigen::Index>(k);
     const auto row = static_cast<std::size_t>(judged.kept[k]);
-    if (design.has_drift) of_plates[r] -= judged.data.h(r, judged.data.h.cols() - 1) * beta[beta.size() - 1];
+    if (design.has_drift) of_plates[r] -= judged.data.h()(r, judged.data.n_fixed() - 1) * beta[beta.size() - 1];
     if (design.days.effect == GroupEffect::random)
       of_plates[r] -= pool.solution().effect(design.day_grouping, design.days.of_recording[row]);
     const int plate = design.plates.of_recording[row];
@@ -274,7 +268,7 @@ void describe_rows(BetweenRecordings& result, const Design& design, const Judged
     const auto r = static_cast<Eigen::Index>(k);
     RecordingRow& row = result.rows[design.of_row[k]];
     row.is_used = true;
-    row.offset = design.data.m[r] - design.data.h.row(r).head(design.n_law).dot(beta);
+    row.offset = design.data.m()[r] - design.data.h_and_m.row(r).head(design.n_law).dot(beta);
     row.eps = result.eps.value + row.offset;
     row.se = std::sqrt(design.data.variance[r]);
     row.standardised = judged.rows[k].standardised;

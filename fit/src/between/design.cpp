@@ -26,15 +26,9 @@ struct OwnLaw {
 
 OwnLaw own_law(const RecordingSummary& summary) {
   const auto n = static_cast<Eigen::Index>(summary.n_nodes);
-  OwnLaw own{{summary.v_mps.begin(), summary.v_mps.begin() + n}, Eigen::VectorXd(n), {}};
-  Eigen::MatrixXd covariance(n, n);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    own.y[i] = summary.eps[k] - 1.0;
-    for (Eigen::Index j = 0; j < n; ++j) covariance(i, j) = summary.covariance[k][static_cast<std::size_t>(j)];
-  }
-  own.covariance = cholesky(covariance).value();  // summarize_recording() has seen to it
-  return own;
+  return {{summary.v_mps.begin(), summary.v_mps.begin() + n},
+          Eigen::Map<const Eigen::Vector3d>(summary.eps.data()).head(n).array() - 1.0,
+          cholesky(covariance_of(summary)).value()};  // summarize_recording() has seen to it
 }
 
 /// Least eigenvalue of a matrix scaled to a unit diagonal, and how many are not zero.
@@ -48,8 +42,7 @@ OffsetData offsets_of(const std::vector<OwnLaw>& own, const LawModel& law, const
   const Eigen::Index n_law = law.n_parameters();
   const auto n = static_cast<Eigen::Index>(own.size());
   OffsetData data;
-  data.h.resize(n, n_law);
-  data.m.resize(n);
+  data.h_and_m.resize(n, n_law + 1);
   data.variance.resize(n);
   data.within = Eigen::MatrixXd::Zero(n_law, n_law);
   data.within_y = Eigen::VectorXd::Zero(n_law);
@@ -62,8 +55,7 @@ OffsetData offsets_of(const std::vector<OwnLaw>& own, const LawModel& law, const
     const double a = recording.covariance.solve(Eigen::VectorXd::Ones(recording.y.size())).sum();
     const Eigen::VectorXd h = weighted_x.colwise().sum().transpose() / a;
     const double m = weighted_y.sum() / a;
-    data.h.row(r) = h.transpose();
-    data.m[r] = m;
+    data.h_and_m.row(r) << h.transpose(), m;
     data.variance[r] = 1.0 / a;
     data.within += transposed_product(x, weighted_x) - a * h * h.transpose();
     data.within_y += transposed_product(x, weighted_y) - a * m * h;
@@ -81,7 +73,7 @@ LawModel law_of(const std::vector<OwnLaw>& own, const std::vector<double>& v_mps
       LawModel law = make_law_model(LawKind::series, orders, v_mps);
       const OffsetData data = offsets_of(own, law, Eigen::VectorXd::Zero(law.n_parameters()));
       const Eigen::MatrixXd information =
-          data.within + transposed_product(data.h, data.variance.cwiseInverse().asDiagonal() * data.h);
+          data.within + transposed_product(data.h(), data.variance.cwiseInverse().asDiagonal() * data.h());
       if (!(least_and_rank(information).first > kDetermined)) continue;
       if (orders.size() < 3) notes.push_back({NoteKind::law_of_two_constants});
       return law;
@@ -93,10 +85,10 @@ LawModel law_of(const std::vector<OwnLaw>& own, const std::vector<double>& v_mps
 /// A law near all recordings: what is left of their values is small, and squares of it are not lost in rounding.
 Eigen::VectorXd law_near(const std::vector<OwnLaw>& own, const LawModel& law) {
   const OffsetData data = offsets_of(own, law, Eigen::VectorXd::Zero(law.n_parameters()));
-  const Eigen::MatrixXd weighted = data.variance.cwiseInverse().asDiagonal() * data.h;
-  return cholesky(data.within + transposed_product(data.h, weighted))
+  const Eigen::MatrixXd weighted = data.variance.cwiseInverse().asDiagonal() * data.h();
+  return cholesky(data.within + transposed_product(data.h(), weighted))
       .value()
-      .solve(data.within_y + transposed_product(weighted, data.m));
+      .solve(data.within_y + transposed_product(weighted, data.m()));
 }
 
 GroupLabels labels_of(const std::vector<std::string>& name_of_row) {
@@ -184,8 +176,9 @@ void add_columns(OffsetData& data, const Design& design, const Eigen::VectorXd& 
   const auto n_plates = static_cast<Eigen::Index>(design.plates.names.size());
   const Eigen::Index n_law = design.n_law, n_contrasts = has_plates ? n_plates - 1 : 0;
   const Eigen::Index n_columns = n_law + n_contrasts + (design.has_drift ? 1 : 0);
-  Eigen::MatrixXd h = Eigen::MatrixXd::Zero(data.n(), n_columns);
-  h.leftCols(n_law) = data.h;
+  OffsetData::Rows h = OffsetData::Rows::Zero(data.n(), n_columns + 1);
+  h.leftCols(n_law) = data.h();
+  h.rightCols(1) = data.m();
   for (Eigen::Index r = 0; has_plates && r < data.n(); ++r) {
     const int plate = design.plates.of_recording[static_cast<std::size_t>(r)];
     if (plate == n_plates - 1)
@@ -194,7 +187,7 @@ void add_columns(OffsetData& data, const Design& design, const Eigen::VectorXd& 
       h(r, n_law + plate) = 1.0;
   }
   if (design.has_drift) h.col(n_columns - 1) = time;
-  data.h = h;
+  data.h_and_m = h;
   const auto widened = [&](const Eigen::MatrixXd& m, Eigen::Index columns) {
     Eigen::MatrixXd wide = Eigen::MatrixXd::Zero(n_columns, columns);
     wide.topLeftCorner(m.rows(), m.cols()) = m;
@@ -242,7 +235,7 @@ void weigh_shapes(Design& design, std::size_t n_values) {
 }  // namespace
 
 bool is_determined(const OffsetData& data) {
-  return least_and_rank(transposed_product(data.h, data.h) + data.within * data.variance.mean()).first > 1e-8;
+  return least_and_rank(transposed_product(data.h(), data.h()) + data.within * data.variance.mean()).first > 1e-8;
 }
 
 double Design::plate_constant(const Eigen::VectorXd& beta, int plate) const {
@@ -289,29 +282,18 @@ Design make_design(const std::vector<CampaignRecording>& recordings) {
   }
   add_groupings(design);
   weigh_shapes(design, n_values);
-  design.data.prepare();
   return design;
 }
 
 OffsetData rows_of(const OffsetData& data, const std::vector<Eigen::Index>& rows) {
-  OffsetData some;
-  some.within = data.within;
-  some.within_y = data.within_y;
-  some.within_yy = data.within_yy;
-  some.n_levels = data.n_levels;
-  const auto n = static_cast<Eigen::Index>(rows.size());
-  some.h.resize(n, data.h.cols());
-  some.m.resize(n);
-  some.variance.resize(n);
-  for (Eigen::Index k = 0; k < n; ++k) {
-    const Eigen::Index r = rows[static_cast<std::size_t>(k)];
-    some.h.row(k) = data.h.row(r);
-    some.m[k] = data.m[r];
-    some.variance[k] = data.variance[r];
-    for (std::size_t g = 0; g < 2; ++g)
+  OffsetData some = data;
+  some.h_and_m = data.h_and_m(rows, Eigen::all);
+  some.variance = data.variance(rows);
+  for (std::size_t g = 0; g < 2; ++g) {
+    some.level[g].clear();
+    for (const Eigen::Index r : rows)
       if (data.n_levels[g] > 0) some.level[g].push_back(data.level[g][static_cast<std::size_t>(r)]);
   }
-  some.prepare();
   return some;
 }
 

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <map>
 #include <optional>
 
 #include "bouncelab/core/elementary.hpp"
@@ -24,35 +23,21 @@ Eigen::MatrixXd inverse_of_positive(const Eigen::MatrixXd& m, double& log_det) {
 
 }  // namespace
 
-void OffsetData::prepare() {
-  h_and_m.resize(n(), n_fixed() + 1);
-  h_and_m << h, m;
-  pairs.clear();
-  pair_of_row.assign(static_cast<std::size_t>(n()), -1);
-  if (n_levels[0] == 0 || n_levels[1] == 0) return;
-  std::map<std::array<int, 2>, int> numbers;
-  const auto pair_of = [&](std::size_t r) { return std::array<int, 2>{level[0][r], level[1][r]}; };
-  for (std::size_t r = 0; r < pair_of_row.size(); ++r)
-    if (pair_of(r)[0] >= 0 && pair_of(r)[1] >= 0) numbers.emplace(pair_of(r), 0);
-  for (auto& [pair, number] : numbers) {
-    number = static_cast<int>(pairs.size());
-    pairs.push_back(pair);
-  }
-  for (std::size_t r = 0; r < pair_of_row.size(); ++r)
-    if (const auto found = numbers.find(pair_of(r)); found != numbers.end()) pair_of_row[r] = found->second;
-}
-
-OffsetSolution::OffsetSolution(const OffsetData& data, const Deviations& deviations, bool predicts)
+OffsetSolution::OffsetSolution(const OffsetData& data, const Deviations& deviations)
     : data_(data), deviations_(deviations) {
   const Eigen::Index n_fixed = data.n_fixed();
   for (std::size_t g = 0; g < 2; ++g) active_[g] = data.n_levels[g] > 0 && deviations[g + 1] > 0.0;
-  Eigen::MatrixXd products = Eigen::MatrixXd::Zero(n_fixed + 1, n_fixed + 1);
+  Eigen::MatrixXd products = Eigen::MatrixXd::Zero(n_fixed + 1, n_fixed + 1), both;
   std::array<Eigen::MatrixXd, 2> t;
   std::array<Eigen::VectorXd, 2> d;
-  std::vector<double> pairs;
-  add_up(products, t, d, pairs);
-  eliminate(t, d, pairs);
-  if (predicts) invert_diagonal();
+  add_up(products, t, d, both);
+  for (const double one : d[0]) log_det_ += log(one);
+  inverse_ = d[0].cwiseInverse();
+  shared_ = inverse_.asDiagonal() * both;
+  const Eigen::MatrixXd schur = Eigen::MatrixXd(d[1].asDiagonal()) - transposed_product(both, shared_);
+  schur_inverse_ = schur.size() > 0 ? inverse_of_positive(schur, log_det_) : schur;
+  u_[1] = product(schur_inverse_, t[1] - transposed_product(shared_, t[0]));
+  u_[0] = inverse_.asDiagonal() * t[0] - product(shared_, u_[1]);
   for (std::size_t g = 0; g < 2; ++g)
     if (active_[g]) products -= transposed_product(t[g], u_[g]);
   const Eigen::MatrixXd information = products.topLeftCorner(n_fixed, n_fixed) + data.within;
@@ -64,22 +49,18 @@ OffsetSolution::OffsetSolution(const OffsetData& data, const Deviations& deviati
   minus_two_log_likelihood_ = log_det_ + log_det_information + sum_of_squares_;
 }
 
-int OffsetSolution::level_of(std::size_t grouping, Eigen::Index r) const {
-  return active_[grouping] ? data_.level[grouping][static_cast<std::size_t>(r)] : -1;
-}
-
 /// f'Wf with f = [h, m], Z'Wf and the blocks of M, in one pass over the rows.
 void OffsetSolution::add_up(Eigen::MatrixXd& products, std::array<Eigen::MatrixXd, 2>& t,
-                            std::array<Eigen::VectorXd, 2>& d, std::vector<double>& pairs) {
+                            std::array<Eigen::VectorXd, 2>& d, Eigen::MatrixXd& both) {
   const Eigen::Index n = data_.n(), n_columns = data_.n_fixed() + 1;
+  std::array<int, 2> levels{};
   for (std::size_t g = 0; g < 2; ++g) {
-    const int levels = active_[g] ? data_.n_levels[g] : 0;
-    t[g] = Eigen::MatrixXd::Zero(n_columns, levels);  // transposed until the end: a level's numbers lie together
-    d[g] = Eigen::VectorXd::Constant(levels, levels > 0 ? 1.0 / square(deviations_[g + 1]) : 0.0);
-    if (levels > 0) log_det_ += 2.0 * levels * log(deviations_[g + 1]);
+    levels[g] = active_[g] ? data_.n_levels[g] : 0;
+    t[g] = Eigen::MatrixXd::Zero(n_columns, levels[g]);  // transposed until the end: a level's numbers lie together
+    d[g] = Eigen::VectorXd::Constant(levels[g], levels[g] > 0 ? 1.0 / square(deviations_[g + 1]) : 0.0);
+    if (levels[g] > 0) log_det_ += 2.0 * levels[g] * log(deviations_[g + 1]);
   }
-  const bool has_pairs = active_[0] && active_[1];
-  pairs.assign(has_pairs ? data_.pairs.size() : 0, 0.0);
+  both = Eigen::MatrixXd::Zero(levels[0], levels[1]);
   weights_.resize(n);
   double product = 1.0;
   for (Eigen::Index r = 0; r < n; ++r) {
@@ -96,54 +77,17 @@ void OffsetSolution::add_up(Eigen::MatrixXd& products, std::array<Eigen::MatrixX
       const double weighted = weight * f[j];
       for (Eigen::Index i = 0; i <= j; ++i) column[i] += weighted * f[i];
     }
+    const std::array<int, 2> level = data_.levels_of(r);
     for (std::size_t g = 0; g < 2; ++g) {
-      const int k = level_of(g, r);
-      if (k < 0) continue;
-      d[g][k] += weight;
-      double* column = t[g].data() + k * n_columns;
+      if (!has(g, level[g])) continue;
+      d[g][level[g]] += weight;
+      double* column = t[g].data() + level[g] * n_columns;
       for (Eigen::Index i = 0; i < n_columns; ++i) column[i] += weight * f[i];
     }
-    if (const int pair = has_pairs ? data_.pair_of_row[static_cast<std::size_t>(r)] : -1; pair >= 0)
-      pairs[static_cast<std::size_t>(pair)] += weight;
+    if (has(0, level[0]) && has(1, level[1])) both(level[0], level[1]) += weight;
   }
   products.triangularView<Eigen::StrictlyLower>() = products.transpose();
   for (Eigen::MatrixXd& sums : t) sums.transposeInPlace();
-}
-
-void OffsetSolution::eliminate(const std::array<Eigen::MatrixXd, 2>& t, const std::array<Eigen::VectorXd, 2>& d,
-                               const std::vector<double>& pairs) {
-  diagonal_ = d[0];
-  sparse_.assign(static_cast<std::size_t>(d[0].size()), {});
-  for (std::size_t k = 0; k < pairs.size(); ++k)
-    sparse_[static_cast<std::size_t>(data_.pairs[k][0])].push_back({data_.pairs[k][1], pairs[k]});
-  Eigen::MatrixXd schur = d[1].asDiagonal();
-  Eigen::MatrixXd right = t[1];
-  for (Eigen::Index i = 0; i < diagonal_.size(); ++i) {
-    log_det_ += log(diagonal_[i]);
-    for (const Entry& a : sparse_[static_cast<std::size_t>(i)]) {
-      right.row(a.column) -= a.value / diagonal_[i] * t[0].row(i);
-      for (const Entry& b : sparse_[static_cast<std::size_t>(i)])
-        schur(a.column, b.column) -= a.value * b.value / diagonal_[i];
-    }
-  }
-  schur_inverse_ = schur.size() > 0 ? inverse_of_positive(schur, log_det_) : schur;
-  u_[1] = product(schur_inverse_, right);
-  u_[0] = t[0];
-  for (Eigen::Index i = 0; i < diagonal_.size(); ++i) {
-    for (const Entry& a : sparse_[static_cast<std::size_t>(i)]) u_[0].row(i) -= a.value * u_[1].row(a.column);
-    u_[0].row(i) /= diagonal_[i];
-  }
-}
-
-void OffsetSolution::invert_diagonal() {
-  inverse_diagonal_.resize(diagonal_.size());
-  for (Eigen::Index i = 0; i < diagonal_.size(); ++i) {
-    double sum = 0.0;
-    for (const Entry& a : sparse_[static_cast<std::size_t>(i)])
-      for (const Entry& b : sparse_[static_cast<std::size_t>(i)])
-        sum += a.value * b.value * schur_inverse_(a.column, b.column);
-    inverse_diagonal_[i] = (1.0 + sum / diagonal_[i]) / diagonal_[i];
-  }
 }
 
 double OffsetSolution::effect(std::size_t grouping, int level) const {
@@ -154,20 +98,18 @@ double OffsetSolution::effect(std::size_t grouping, int level) const {
 
 double OffsetSolution::inverse_of(const std::array<int, 2>& level) const {
   double sum = 0.0;
-  if (has(0, level[0])) sum += inverse_diagonal_[level[0]];
+  if (has(0, level[0])) sum += inverse_[level[0]] + congruence(shared_.row(level[0]).transpose(), schur_inverse_)(0, 0);
   if (has(1, level[1])) sum += schur_inverse_(level[1], level[1]);
-  if (has(0, level[0]) && has(1, level[1]))
-    for (const Entry& a : sparse_[static_cast<std::size_t>(level[0])])
-      sum -= 2.0 * a.value * schur_inverse_(a.column, level[1]) / diagonal_[level[0]];
+  if (has(0, level[0]) && has(1, level[1])) sum -= 2.0 * shared_.row(level[0]).dot(schur_inverse_.col(level[1]));
   return sum;
 }
 
 OffsetSolution::Residual OffsetSolution::without(Eigen::Index r) const {
   const Eigen::Index n_fixed = data_.n_fixed();
-  const std::array<int, 2> level{level_of(0, r), level_of(1, r)};
+  const std::array<int, 2> level = data_.levels_of(r);
   Eigen::RowVectorXd row = data_.h_and_m.row(r);
   for (std::size_t g = 0; g < 2; ++g)
-    if (level[g] >= 0) row -= u_[g].row(level[g]);
+    if (has(g, level[g])) row -= u_[g].row(level[g]);
   row *= weights_[r];  // of V^-1 f
   const Eigen::RowVectorXd of_h = row.head(n_fixed);
   // diagonal of P and element of P m: the offset of a recording with a parameter of its own is their ratio
@@ -220,7 +162,7 @@ double least_between(const std::function<double(double)>& f, double a, double c,
 /// Robust against a few recordings that are far off; not 0 where the errors are not.
 double scale_of(const OffsetData& data) {
   const OffsetSolution solution(data, {0.0, 0.0, 0.0});
-  const Eigen::VectorXd residuals = data.m - data.h * solution.beta();
+  const Eigen::VectorXd residuals = data.m() - data.h() * solution.beta();
   return std::sqrt(residuals.squaredNorm() / static_cast<double>(data.n()) + data.variance.minCoeff());
 }
 
@@ -355,10 +297,6 @@ ErrorsOfErrors::ErrorsOfErrors(const OffsetData& data, const Deviations& best)
 double ErrorsOfErrors::satterthwaite(const Eigen::VectorXd& gradient, double variance) const {
   const double spread = gradient.dot(covariance_of_logs_ * gradient);
   return std::clamp(spread > 0.0 ? 2.0 * square(variance) / spread : most_, 1.0, most_);
-}
-
-double ErrorsOfErrors::degrees_of_freedom(const Eigen::VectorXd& direction) const {
-  return degrees_of_freedom(direction, 0.0);
 }
 
 double ErrorsOfErrors::degrees_of_freedom(const Eigen::VectorXd& direction, double se) const {

@@ -27,27 +27,33 @@ namespace bouncelab::fit {
 /// and by what the shape of its curve adds on beta whatever its offset, which is summed over all recordings:
 /// within = sum X_r' S_r^-1 X_r - a_r h_r h_r', and likewise for y. Nothing of size n x n is ever made.
 struct OffsetData {
-  Eigen::MatrixXd h;         ///< a row a recording
-  Eigen::VectorXd m;         ///< offsets as above
+  using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  Rows h_and_m;              ///< a row a recording: h_r', and m_r last
   Eigen::VectorXd variance;  ///< 1/a_r
   Eigen::MatrixXd within;    ///< information on beta from inside the recordings
   Eigen::VectorXd within_y;
   double within_yy = 0.0;
   /// Up to two groupings with a random effect for each of their levels; -1: none for this recording. Empty: no such
-  /// grouping. The second has the fewer levels: its matrix is dense.
+  /// grouping. The second has the fewer levels: its matrix is inverted.
   std::array<std::vector<int>, 2> level;
   std::array<int, 2> n_levels{0, 0};
 
-  /// What the solutions need of the rows in one place; to be called when all of the above is there.
-  void prepare();
-  using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  Rows h_and_m;
-  std::vector<std::array<int, 2>> pairs;  ///< of levels that some recording has, in order
-  std::vector<int> pair_of_row;           ///< -1: not of both groupings
-
-  Eigen::Index n() const { return m.size(); }
-  Eigen::Index n_fixed() const { return h.cols(); }
+  auto h() const { return h_and_m.leftCols(n_fixed()); }
+  auto m() const { return h_and_m.col(n_fixed()); }
+  Eigen::Index n() const { return h_and_m.rows(); }
+  Eigen::Index n_fixed() const { return h_and_m.cols() - 1; }
+  /// Of a recording; -1: none.
+  std::array<int, 2> levels_of(Eigen::Index r) const {
+    const auto of = [&](std::size_t g) { return n_levels[g] > 0 ? level[g][static_cast<std::size_t>(r)] : -1; };
+    return {of(0), of(1)};
+  }
 };
+
+/// Of a recording's values.
+inline Eigen::MatrixXd covariance_of(const RecordingSummary& summary) {
+  const auto n = static_cast<Eigen::Index>(summary.n_nodes);
+  return Eigen::Map<const Eigen::Matrix3d>(summary.covariance.front().data()).topLeftCorner(n, n);
+}
 
 /// Standard deviations of the random effects: between recordings, and between the levels of the groupings.
 using Deviations = std::array<double, 3>;
@@ -56,8 +62,7 @@ using Deviations = std::array<double, 3>;
 /// eliminated first. Time n, and the cube of the number of levels of the second grouping.
 class OffsetSolution {
  public:
-  /// @param predicts  for without() and of_another()
-  OffsetSolution(const OffsetData& data, const Deviations& deviations, bool predicts = false);
+  OffsetSolution(const OffsetData& data, const Deviations& deviations);
 
   /// -2 times the logarithm of the restricted likelihood, but for a constant. Source: Patterson & Thompson, Biometrika
   /// 58, 545 (1971), doi:10.1093/biomet/58.3.545; Harville, J. Am. Stat. Assoc. 72, 320 (1977),
@@ -81,30 +86,21 @@ class OffsetSolution {
 
  private:
   bool has(std::size_t grouping, int level) const { return active_[grouping] && level >= 0; }
-  int level_of(std::size_t grouping, Eigen::Index r) const;
   /// z' M^-1 z of the levels of a recording.
   double inverse_of(const std::array<int, 2>& level) const;
   void add_up(Eigen::MatrixXd& products, std::array<Eigen::MatrixXd, 2>& t, std::array<Eigen::VectorXd, 2>& d,
-              std::vector<double>& pairs);
-  void eliminate(const std::array<Eigen::MatrixXd, 2>& t, const std::array<Eigen::VectorXd, 2>& d,
-                 const std::vector<double>& pairs);
-  void invert_diagonal();
+              Eigen::MatrixXd& both);
 
   const OffsetData& data_;
   Deviations deviations_;
   std::array<bool, 2> active_{};
   Eigen::VectorXd weights_;  ///< 1/(tau^2 + 1/a_r)
-  // M = G^-1 + Z'WZ in blocks: diagonal, sparse, dense
-  struct Entry {
-    int column;
-    double value;
-  };
-  Eigen::VectorXd diagonal_;
-  std::vector<std::vector<Entry>> sparse_;  ///< rows of the first grouping
-  Eigen::MatrixXd schur_inverse_;
+  // M = G^-1 + Z'WZ in blocks D_0, B, B', D_1, of which those on the diagonal are diagonal
+  Eigen::VectorXd inverse_;        ///< of D_0
+  Eigen::MatrixXd shared_;         ///< D_0^-1 B
+  Eigen::MatrixXd schur_inverse_;  ///< of D_1 - B' D_0^-1 B
   double log_det_ = 0.0;
   std::array<Eigen::MatrixXd, 2> u_;  ///< M^-1 Z'W f
-  Eigen::VectorXd inverse_diagonal_;  ///< of M^-1, first grouping
   Eigen::VectorXd beta_;
   Eigen::MatrixXd covariance_;
   double sum_of_squares_ = 0.0, minus_two_log_likelihood_ = 0.0;
@@ -125,10 +121,9 @@ Interval profile_interval(const OffsetData& data, const Deviations& best, std::s
 class ErrorsOfErrors {
  public:
   ErrorsOfErrors(const OffsetData& data, const Deviations& best);
+  /// @param se  0, or of a recording that they predict, with its own error
   /// @return degrees of freedom, 1 to n less the number of fixed effects, of the error of direction' beta
-  double degrees_of_freedom(const Eigen::VectorXd& direction) const;
-  /// Likewise of the error of a recording that they predict. @param se  of the prediction, with its own error
-  double degrees_of_freedom(const Eigen::VectorXd& direction, double se) const;
+  double degrees_of_freedom(const Eigen::VectorXd& direction, double se = 0.0) const;
   /// Of the error of a recording against the others, when tau is most of what is not known of that error.
   double degrees_of_freedom_of_a_recording(double se) const;
 

@@ -44,16 +44,6 @@ void take_nodes(RecordingSummary& summary, const LawFit& fit) {
   }
 }
 
-/// Can what is known of the values be weighted by its inverse?
-bool has_inverse(const RecordingSummary& summary) {
-  const auto n = static_cast<Eigen::Index>(summary.n_nodes);
-  Eigen::MatrixXd covariance(n, n);
-  for (Eigen::Index i = 0; i < n; ++i)
-    for (Eigen::Index j = 0; j < n; ++j)
-      covariance(i, j) = summary.covariance[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)];
-  return cholesky(covariance).has_value();
-}
-
 }  // namespace
 
 RecordingSummary summarize_recording(const RestitutionSamples& samples) {
@@ -93,7 +83,7 @@ RecordingSummary summarize_recording(const RestitutionSamples& samples) {
     return summary;
   }
   take_nodes(summary, fit);
-  if (!has_inverse(summary)) {
+  if (!cholesky(covariance_of(summary))) {  // by whose inverse the values are weighted
     summary.status = FitStatus::not_identifiable;
     summary.why = Note{NoteKind::errors_tied};
   }
@@ -233,20 +223,15 @@ std::string iso_in_words(const RecordingDate& date) {
 
 Table to_table(const BetweenRecordings& between, const std::vector<CampaignRecording>& recordings) {
   constexpr double kNotKnown = std::numeric_limits<double>::quiet_NaN();
-  const auto texts = [&](auto&& of) {
-    std::vector<std::string> values;
-    for (std::size_t k = 0; k < recordings.size(); ++k) values.push_back(of(k));
+  const auto column_of = [&]<class T>(T, auto&& of) {
+    std::vector<T> values;
+    for (std::size_t k = 0; k < recordings.size(); ++k) values.push_back(static_cast<T>(of(k)));
     return values;
   };
-  const auto counts = [&](auto&& of) {
-    std::vector<std::int64_t> values;
-    for (std::size_t k = 0; k < recordings.size(); ++k) values.push_back(static_cast<std::int64_t>(of(k)));
-    return values;
-  };
+  const auto texts = [&](auto&& of) { return column_of(std::string(), of); };
+  const auto counts = [&](auto&& of) { return column_of(std::int64_t{}, of); };
   const auto reals = [&](auto&& of) {
-    std::vector<double> values;
-    for (std::size_t k = 0; k < recordings.size(); ++k) values.push_back(between.rows[k].is_used ? of(k) : kNotKnown);
-    return values;
+    return column_of(0.0, [&](std::size_t k) { return between.rows[k].is_used ? of(k) : kNotKnown; });
   };
   const auto& rows = between.rows;
   const auto summary = [&](std::size_t k) -> const RecordingSummary& { return recordings[k].summary; };

@@ -79,13 +79,9 @@ double damping_to_parting(double eps) {
 }
 
 double damping_to_last_force(double eps) {
-  double least = 0.0, most = 20.0;
-  for (int k = 0; k < 40; ++k) {
-    const double middle = 0.5 * (least + most);
-    const auto damping = [&](double x) { return middle * std::sqrt(std::sqrt(x)); };
-    (restitution_by_motion(damping, ContactEnd::force) > eps ? least : most) = middle;
-  }
-  return 0.5 * (least + most);
+  return place_of(eps, 0.0, 20.0, 40, [](double alpha) {
+    return restitution_by_motion([&](double x) { return alpha * std::sqrt(std::sqrt(x)); }, ContactEnd::force);
+  });
 }
 
 double viscoelastic_by_motion(double gamma, double v_mps, ContactEnd end) {
@@ -146,13 +142,7 @@ double told_to_lammps(double eps) {
   const auto alpha_of = [](double e) {
     return 1.2728 + e * (-4.2783 + e * (11.087 + e * (-22.348 + e * (27.467 + e * (-18.022 + e * 4.8218)))));
   };
-  const double alpha = damping_to_parting(eps);
-  double least = 0.0, most = 1.0;
-  for (int k = 0; k < 50; ++k) {
-    const double middle = 0.5 * (least + most);
-    (alpha_of(middle) > alpha ? least : most) = middle;
-  }
-  return 0.5 * (least + most);
+  return place_of(damping_to_parting(eps), 0.0, 1.0, 50, alpha_of);
 }
 
 Snippet deck(const char* program, const char* model, const char* parameter, const char* text, Values values,
@@ -211,6 +201,60 @@ std::vector<Snippet> viscoelastic_decks(const Decks& decks, double gamma, Contac
             {"Awall", number(a_s * pow(2.0, 0.2))}},
            decks),
   };
+}
+
+namespace {
+
+/// Where a sampler's law was fitted, and what it does elsewhere.
+std::string clamped(const std::string& about, double slowest_mps, double fastest_mps) {
+  return about + formatted(", fitted at %.3g to %.3g m/s; slower and faster impacts take the values at the ends",
+                           slowest_mps, fastest_mps);
+}
+
+/// eps(v) as an expression of C++ in v.
+std::string in_cpp(const SeriesLaw& law) {
+  std::string text = "1";
+  for (std::size_t i = 1; i < std::min(law.a.size(), kViscoelasticC.size()); ++i)
+    if (const double coefficient = kViscoelasticC[i] * law.a[i]; coefficient != 0.0)
+      text += formatted(" %c %.10g * std::pow(v, %g)", coefficient < 0.0 ? '-' : '+', std::abs(coefficient),
+                        0.1 * static_cast<double>(i));
+  return text;
+}
+std::string in_cpp(const ViscoelasticLaw& law) {
+  const double x = std::sqrt(law.gamma);  // coefficients of powers of v^(1/10)
+  const std::string numerator = formatted("1 + %.10g * std::pow(v, 0.1)", 0.501086 * x);
+  return "(" + numerator + ") / (" + numerator +
+         formatted(" + %.10g * std::pow(v, 0.2) + %.10g * std::pow(v, 0.3) + %.10g * std::pow(v, 0.4))",
+                   1.15345 * x * x, 0.577977 * power(x, 3), 0.532178 * power(x, 4));
+}
+std::string in_cpp(const ConstantLaw& law) { return formatted("%.10g + 0 * v", law.eps); }
+std::string in_cpp(const TableLaw&) { return {}; }  // no fit has one
+
+}  // namespace
+
+std::vector<Snippet> independent_samplers(const std::vector<ScatterRow>& rows, const std::string& about) {
+  const std::string what = clamped(about, rows.front().v_mps, rows.back().v_mps);
+  const auto snippet = [&](const char* program, const char* text, const char* row, const char* between) {
+    std::string table;
+    for (const ScatterRow& r : rows)
+      table += (table.empty() ? "" : between) + formatted(row, r.v_mps, r.mean, r.below, r.above, r.normal);
+    return Snippet{program, "fluctuating", "coefficient of restitution of an impact, drawn independently",
+                   filled(text, {{"what", what}, {"rows", table}})};
+  };
+  return {snippet("C++", kSamplerInCpp, "      {%.6g, %.6g, %.4g, %.4g, %.4g}", ",\n"),
+          snippet("Python", kSamplerInPython, "    [%.6g, %.6g, %.4g, %.4g, %.4g]", ",\n"),
+          snippet("formulas", kSamplerInFormulas, "%.6g,%.6g,%.4g,%.4g,%.4g", "\n")};
+}
+
+Snippet sampler_with_memory(const RestitutionLaw& law, double q, double slowest_mps, double fastest_mps,
+                            const std::string& about) {
+  return {"C++", "memory", "coefficient of restitution against a plate, with one number of memory per grain",
+          filled(kSamplerWithMemory, {{"sampler", kSamplerText},
+                                      {"what", clamped(about, slowest_mps, fastest_mps)},
+                                      {"slowest", formatted("%.6g", slowest_mps)},
+                                      {"fastest", formatted("%.6g", fastest_mps)},
+                                      {"law", std::visit([](const auto& l) { return in_cpp(l); }, law)},
+                                      {"q", formatted("%.6g", q)}})};
 }
 
 }  // namespace bouncelab::fit

@@ -12,6 +12,16 @@
 
 namespace bouncelab::fit {
 
+/// Where a function that falls has a value, by halving the interval n times.
+template <class Function>
+double place_of(double value, double least, double most, int n, Function falling) {
+  for (int k = 0; k < n; ++k) {
+    const double middle = 0.5 * (least + most);
+    (falling(middle) > value ? least : most) = middle;
+  }
+  return 0.5 * (least + most);
+}
+
 /// A contact of the ball with the plate as discrete-element codes have it,
 ///
 ///   F = k_n sqrt(R) xi^(3/2) + damping,   k_n = (4/3) E*
@@ -80,13 +90,13 @@ std::vector<Snippet> independent_samplers(const std::vector<ScatterRow>& rows, c
 Snippet sampler_with_memory(const RestitutionLaw& law, double q, double slowest_mps, double fastest_mps,
                             const std::string& about);
 
-/// The file core/restitution_with_memory.hpp.
-extern const char* const kSamplerText;
-
 /// Inputs of discrete-element codes, files of fit/data, with @name@ where a number or a part of another file stands.
 extern const char *const kLiggghts, *const kLiggghtsConstant, *const kLiggghtsViscoelastic;
 extern const char* const kLammps;
 extern const char *const kYade, *const kYadeViscoelastic;
 extern const char* const kMercury;
+/// Functions that draw eps; the first is the file core/restitution_with_memory.hpp.
+extern const char *const kSamplerText, *const kSamplerWithMemory;
+extern const char *const kSamplerInCpp, *const kSamplerInPython, *const kSamplerInFormulas;
 
 }  // namespace bouncelab::fit

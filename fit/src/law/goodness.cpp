@@ -13,14 +13,14 @@
 
 namespace bouncelab::fit {
 
-std::optional<ChiSquare> pearson_chi2(const std::vector<double>& u, std::size_t n_parameters,
-                                      std::size_t n_groups_most) {
+std::optional<ChiSquareTest> pearson_chi2(const std::vector<double>& u, std::size_t n_parameters,
+                                          std::size_t n_groups_most) {
   constexpr std::size_t kPerCell = 8;
   const std::size_t n = u.size();
   const std::size_t n_cells = std::clamp<std::size_t>(n / kPerCell, 1, n_groups_most > 1 ? 10 : 30);
   const std::size_t n_groups = std::clamp<std::size_t>(n / (n_cells * kPerCell), 1, n_groups_most);
   if (n_cells < 2) return std::nullopt;
-  ChiSquare result;
+  ChiSquareTest result;
   for (std::size_t g = 0; g < n_groups; ++g) {
     const std::size_t begin = g * n / n_groups, end = (g + 1) * n / n_groups;
     std::vector<double> counts(n_cells, 0.0);
@@ -32,16 +32,15 @@ std::optional<ChiSquare> pearson_chi2(const std::vector<double>& u, std::size_t 
     for (const double c : counts) result.chi2 += (c - expected) * (c - expected) / expected;
   }
   const std::size_t n_free = n_groups * (n_cells - 1);
-  result.ndf = n_free >= 10 * n_parameters ? n_free - n_parameters : n_free;
-  result.p_value = chi2_survival(result.chi2, static_cast<double>(result.ndf));
+  result.ndf = static_cast<double>(n_free >= 10 * n_parameters ? n_free - n_parameters : n_free);
+  result.p_value = chi2_survival(result.chi2, result.ndf);
   return result;
 }
 
 namespace {
 
 /// Expected distances of the samples from the curve.
-std::vector<double> expected_distances(const LawLikelihood& likelihood, const ScatterModel& scatter) {
-  const LawData& data = likelihood.data();
+std::vector<double> expected_distances(const LawData& data, const ScatterModel& scatter) {
   const ScaleColumns b = scales_at(scatter, data.v_mps);
   const double of_normal = std::sqrt(2.0 / std::numbers::pi);
   std::vector<double> expected(data.size());
@@ -49,9 +48,7 @@ std::vector<double> expected_distances(const LawLikelihood& likelihood, const Sc
     const double below = b.below[k], above = b.above[k];
     const double tau = hypot(data.tau[k], scatter.normal_ratio * std::sqrt(below * above));
     // root mean square distance turned into a mean one is exact for tau = 0 and within 6 % for tau >> b
-    expected[k] = likelihood.scatter().kind == ScatterKind::normal
-                      ? of_normal * hypot(below, tau)
-                      : hypot((below * below + above * above) / (below + above), tau * of_normal);
+    expected[k] = hypot((below * below + above * above) / (below + above), tau * of_normal);
   }
   return expected;
 }
@@ -62,7 +59,7 @@ std::vector<ResidualBin> residual_bins(const LawLikelihood& likelihood, const Ei
   const std::size_t n = likelihood.data().size();
   const std::size_t n_bins = std::clamp<std::size_t>(n / 12, 1, 24);
   const LawLikelihood::LocationScores of = likelihood.location_scores(theta);
-  const std::vector<double> expected_distance = expected_distances(likelihood, likelihood.scatter_model(theta));
+  const std::vector<double> expected_distance = expected_distances(likelihood.data(), likelihood.scatter_model(theta));
   std::vector<ResidualBin> bins;
   for (std::size_t j = 0; j < n_bins; ++j) {
     const std::size_t begin = j * n / n_bins, end = (j + 1) * n / n_bins, middle = (begin + end) / 2;
@@ -97,34 +94,16 @@ LawData thinned_and_widened(const LawLikelihood& likelihood, const Eigen::Vector
   const LawData& all = likelihood.data();
   const std::size_t stride = std::max<std::size_t>(1, all.size() / kEnough);
   LawData data = thinned(all, stride);
-  if (stride > 1 && likelihood.scatter().kind != ScatterKind::normal)
+  if (stride > 1)
     widen(data, likelihood.scatter_model(theta),
           std::sqrt(static_cast<double>(likelihood.model().n_parameters()) / static_cast<double>(data.size())));
   return data;
 }
 
-double draw_scatter(ScatterKind kind, double below, double above, double normal_ratio, Random& random) {
-  if (kind == ScatterKind::normal) return below * random.normal();
+double draw_scatter(double below, double above, double normal_ratio, Random& random) {
   const double exponential =
       random.uniform() < above / (above + below) ? above * random.exponential() : -below * random.exponential();
   return exponential + (normal_ratio > 0.0 ? normal_ratio * std::sqrt(below * above) * random.normal() : 0.0);
-}
-
-/// Samples of the drops drawn, each as often as drawn, still in order of speed.
-LawData resampled(const LawData& data, std::size_t n_drops, Random& random) {
-  std::vector<int> times(n_drops, 0);
-  for (std::size_t i = 0; i < n_drops; ++i)
-    ++times[std::min(static_cast<std::size_t>(random.uniform() * static_cast<double>(n_drops)), n_drops - 1)];
-  LawData drawn;
-  for (std::size_t k = 0; k < data.size(); ++k) {
-    for (int i = 0; i < times[data.drop[k]]; ++i) {
-      drawn.v_mps.push_back(data.v_mps[k]);
-      drawn.eps.push_back(data.eps[k]);
-      drawn.tau.push_back(data.tau[k]);
-      drawn.drop.push_back(data.drop[k]);
-    }
-  }
-  return drawn;
 }
 
 }  // namespace
@@ -153,14 +132,12 @@ AndersonDarling anderson_darling_test(const LawLikelihood& likelihood, const Max
   const Eigen::MatrixXd information = thin.information(maximum.x);
   const ScatterModel scatter = likelihood.scatter_model(maximum.x);
   const ScaleColumns b = scales_at(scatter, design.v_mps);
-  const ScatterKind kind = likelihood.scatter().kind;
   std::vector<double> a2(n_replicates, 0.0);
   parallel_for(n_replicates, 0, [&](std::size_t i) {
     Random random(seed, RandomStream::bootstrap, i);
     LawData data = design;
     for (std::size_t k = 0; k < data.size(); ++k)
-      data.eps[k] = thin.eps_of(maximum.x, k) +
-                    draw_scatter(kind, b.below[k], b.above[k], scatter.normal_ratio, random) +
+      data.eps[k] = thin.eps_of(maximum.x, k) + draw_scatter(b.below[k], b.above[k], scatter.normal_ratio, random) +
                     data.tau[k] * random.normal();
     const LawLikelihood drawn(data, likelihood.model(), likelihood.scatter());
     a2[i] = anderson_darling(drawn.probabilities_below(maximise(function_of(drawn), maximum.x, information, 0.02).x));
@@ -169,42 +146,6 @@ AndersonDarling anderson_darling_test(const LawLikelihood& likelihood, const Max
   const auto n_larger = std::count_if(a2.begin(), a2.end(), [&](double x) { return x >= result.a2; });
   result.p_value = (1.0 + static_cast<double>(n_larger)) / (1.0 + static_cast<double>(n_replicates));
   return result;
-}
-
-std::vector<Eigen::VectorXd> bootstrap_by_drop(const LawLikelihood& likelihood, const Maximum& maximum,
-                                               std::size_t n_replicates, std::uint64_t seed) {
-  constexpr std::size_t kFewestToDraw = 8;
-  const LawData& data = likelihood.data();
-  const std::size_t n_drops = data.size() == 0 ? 0 : *std::max_element(data.drop.begin(), data.drop.end()) + 1;
-  if (n_drops < kFewestToDraw) return {};
-  const Eigen::MatrixXd information = likelihood.information(maximum.x);
-  std::vector<std::optional<Eigen::VectorXd>> found(n_replicates);  // absent where the search failed
-  parallel_for(n_replicates, 0, [&](std::size_t i) {
-    // indices beyond those of the goodness of fit
-    Random random(seed, RandomStream::bootstrap, (std::uint64_t{1} << 32) + i);
-    const LawData drawn = resampled(data, n_drops, random);
-    const LawLikelihood again(drawn, likelihood.model(), likelihood.scatter());
-    const Maximum there = maximise(function_of(again), maximum.x, information, 0.02);
-    if (there.gain_left < 0.01) found[i] = there.x.head(likelihood.model().n_parameters());
-  });
-  std::vector<Eigen::VectorXd> q;
-  for (std::optional<Eigen::VectorXd>& x : found)
-    if (x) q.push_back(*std::move(x));
-  return q;
-}
-
-BootstrapErrors bootstrap_errors(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  const auto n = static_cast<double>(values.size());
-  double mean = 0.0, square = 0.0;
-  for (const double x : values) mean += x / n;
-  for (const double x : values) square += (x - mean) * (x - mean);
-  BootstrapErrors errors;
-  errors.se = std::sqrt(square / (n - 1.0));
-  errors.ci68 = {quantile(values, 0.15866), quantile(values, 0.84134)};
-  errors.ci95 = {quantile(values, 0.025), quantile(values, 0.975)};
-  errors.n_replicates = values.size();
-  return errors;
 }
 
 }  // namespace bouncelab::fit

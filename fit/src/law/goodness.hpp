@@ -11,12 +11,6 @@
 
 namespace bouncelab::fit {
 
-struct ChiSquare {
-  double chi2 = 0.0;
-  std::size_t ndf = 0;
-  double p_value = 0.0;  ///< probability of a larger chi2
-};
-
 /// Pearson's chi2 of probability transforms u (uniform if the model holds), in order of speed: cells of equal
 /// expectation, up to 10 in u by up to 40 in speed, at least 8 samples each. Parameters fitted to the samples, not to
 /// the cells, cost between none and all of their degrees of freedom (Chernoff & Lehmann, Ann. Math. Stat. 25, 579
@@ -24,8 +18,8 @@ struct ChiSquare {
 /// difference is small, none otherwise, which makes p too large rather than too small. nullopt where samples are too
 /// few for one degree of freedom.
 /// @param n_groups_most  1: cells in u alone, up to 30
-std::optional<ChiSquare> pearson_chi2(const std::vector<double>& u, std::size_t n_parameters,
-                                      std::size_t n_groups_most = 40);
+std::optional<ChiSquareTest> pearson_chi2(const std::vector<double>& u, std::size_t n_parameters,
+                                          std::size_t n_groups_most = 40);
 
 /// Residuals in up to 24 bins of speed with equal counts.
 std::vector<ResidualBin> residual_bins(const LawLikelihood& likelihood, const Eigen::VectorXd& theta);
@@ -43,14 +37,5 @@ double anderson_darling(std::vector<double> u);
 /// limit there.
 AndersonDarling anderson_darling_test(const LawLikelihood& likelihood, const Maximum& maximum, std::size_t n_replicates,
                                       std::uint64_t seed);
-
-/// The law's coordinates q from drops drawn with replacement, as many as there are: what one would find in repetitions
-/// of the experiment, whatever goes on within a drop. Replicates whose search fails are left out. Empty for fewer than
-/// 8 drops.
-std::vector<Eigen::VectorXd> bootstrap_by_drop(const LawLikelihood& likelihood, const Maximum& maximum,
-                                               std::size_t n_replicates, std::uint64_t seed);
-
-/// Standard deviation and percentile intervals. @param values  at least 2
-BootstrapErrors bootstrap_errors(std::vector<double> values);
 
 }  // namespace bouncelab::fit

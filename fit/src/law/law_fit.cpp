@@ -76,26 +76,6 @@ std::vector<LawComparison> comparison(const Candidate& main, const LawFitConfig&
   return results;
 }
 
-void add_bootstrap(LawFit& fit, const LawLikelihood& likelihood, const Maximum& maximum, const LawFitConfig& config) {
-  const auto drawn = bootstrap_by_drop(likelihood, maximum, config.n_bootstrap, config.seed);
-  if (drawn.size() < 2) {
-    fit.notes.push_back({NoteKind::no_bootstrap});
-    return;
-  }
-  const LawModel& model = likelihood.model();
-  const auto errors_of = [&](auto&& value) {
-    std::vector<double> values;
-    for (const Eigen::VectorXd& q : drawn) values.push_back(value(q));
-    return bootstrap_errors(std::move(values));
-  };
-  for (std::size_t i = 0; i < fit.parameters.size(); ++i)
-    fit.parameters[i].estimate.bootstrap =
-        errors_of([&](const Eigen::VectorXd& q) { return model.reported(q)[static_cast<Eigen::Index>(i)]; });
-  for (NodeEstimate& node : fit.nodes)
-    node.eps.bootstrap =
-        errors_of([&](const Eigen::VectorXd& q) { return model.eps(std::span(&node.v_mps, 1), q)[0]; });
-}
-
 }  // namespace
 
 const char* to_string(LawKind kind) {
@@ -152,7 +132,6 @@ LawFit fitted_law(const RestitutionSamples& samples, const OrderedSamples& order
   constexpr std::size_t kFewestOfGoodness = 100;  // of fewer the test sees no scatter but one that is grossly another
   if (config.n_goodness > 0 && fit.n >= kFewestOfGoodness)
     fit.anderson_darling = anderson_darling_test(likelihood, candidate->maximum, config.n_goodness, config.seed);
-  if (config.n_bootstrap > 0) add_bootstrap(fit, likelihood, candidate->maximum, config);
   if (config.compare_laws) fit.comparison = comparison(*candidate, config);
   return fit;
 }

@@ -32,18 +32,6 @@ BOUNCELAB_VECTOR_CLONES void log_scales(std::size_t n, const double* x, const do
   for (std::size_t k = 0; k < n; ++k) value[k] = std::clamp(value[k], kLogScaleMin, kLogScaleMax);
 }
 
-void normal_densities(SampleBlock& s, const double* tau) {
-  for (std::size_t k = 0; k < s.n; ++k) {
-    const double b = s.sides.b_below[k], d = s.residual[k];
-    const double variance = b * b + tau[k] * tau[k], ratio = d * d / variance;
-    s.f.exponent[k] = -0.5 * ratio;
-    s.f.factor[k] = 1.0 / std::sqrt(2.0 * std::numbers::pi * variance);
-    s.f.d_location[k] = d / variance;
-    s.f.d_log_below[k] = (ratio - 1.0) * b * b / variance;
-    s.f.d_log_above[k] = 0.0;
-  }
-}
-
 /// Normal part and timing error together, and the distance from the point where the exponentials join.
 BOUNCELAB_VECTOR_CLONES void add_normal_part(SampleBlock& s, double square_of_ratio, const double* tau) {
   for (std::size_t k = 0; k < s.n; ++k) {
@@ -99,10 +87,6 @@ void add_powers(std::size_t n, const double* a, const double* x, std::size_t n_p
   }
 }
 
-Eigen::Index ScatterFamily::n_parameters() const {
-  return static_cast<Eigen::Index>((is_two_sided() ? 2 : 1) * n_terms + (kind == ScatterKind::normal_laplace ? 1 : 0));
-}
-
 LawLikelihood::LawLikelihood(const LawData& data, const LawModel& model, const ScatterFamily& scatter)
     : data_(data), model_(model), scatter_(scatter), n_law_(model.n_parameters()), basis_(basis_of(model, data.v_mps)) {
   constexpr double kRangeOfLost = 2.0;
@@ -130,13 +114,13 @@ double LawLikelihood::eps_of(const Eigen::VectorXd& theta, std::size_t k, double
 }
 
 double LawLikelihood::square_of_normal_ratio(const Eigen::VectorXd& theta) const {
-  if (scatter_.kind != ScatterKind::normal_laplace) return 0.0;
+  if (!scatter_.has_normal_part()) return 0.0;
   return exp(2.0 * std::clamp(theta[theta.size() - 1], kLogScaleMin, -kLogScaleMin));
 }
 
 LawLikelihood::Shape LawLikelihood::shape(const Eigen::VectorXd& theta) const {
   Shape shape{square_of_normal_ratio(theta), {}};
-  if (scatter_.kind != ScatterKind::normal_laplace) return shape;
+  if (!scatter_.has_normal_part()) return shape;
   const double *below = theta.data() + n_law_, *above = below + scatter_.n_terms;
   // one knot beyond the data on each side
   double near = 0.0;
@@ -168,17 +152,13 @@ void LawLikelihood::compute_sides(const Eigen::VectorXd& theta, SampleBlock& s) 
   const double* c = theta.data() + n_law_;
   if (scatter_.n_terms == 1) {
     const double below = exp(std::clamp(c[0], kLogScaleMin, kLogScaleMax));
-    return s.sides.fill(below, scatter_.is_two_sided() ? exp(std::clamp(c[1], kLogScaleMin, kLogScaleMax)) : below);
+    return s.sides.fill(below, exp(std::clamp(c[1], kLogScaleMin, kLogScaleMax)));
   }
   const double* x = &x_[s.begin];
   log_scales(s.n, x, c, scatter_.n_terms, s.sides.b_below);
   exp_each(std::span(s.sides.b_below).first(s.n));
-  if (scatter_.is_two_sided()) {
-    log_scales(s.n, x, c + scatter_.n_terms, scatter_.n_terms, s.sides.b_above);
-    exp_each(std::span(s.sides.b_above).first(s.n));
-  } else {
-    s.sides.b_above = s.sides.b_below;
-  }
+  log_scales(s.n, x, c + scatter_.n_terms, scatter_.n_terms, s.sides.b_above);
+  exp_each(std::span(s.sides.b_above).first(s.n));
   s.sides.complete(s.n);
 }
 
@@ -222,7 +202,6 @@ LawLikelihood::NormalPart LawLikelihood::compute_scatter(const Eigen::VectorXd& 
 
 void LawLikelihood::compute(const Eigen::VectorXd& theta, const Shape& shape, SampleBlock& s) const {
   const NormalPart part = compute_scatter(theta, shape, s);
-  if (scatter_.kind == ScatterKind::normal) return normal_densities(s, part.tau);
   normal_laplace(s.n, s.residual.data(), s.sides, part.tau, part.inverse_tau, odds_of_lost_density_, s.f);
   if (shape.square_of_ratio > 0.0) derive_with_normal_part(s);
 }
@@ -231,13 +210,9 @@ void LawLikelihood::add_scores(SampleBlock& s, double* sums) const {
   for (std::size_t i = 0; i < static_cast<std::size_t>(n_law_); ++i)
     *sums++ += sum_of_products(s.n, s.f.d_location.data(), slope_of(s, i));
   const double* x = &x_[s.begin];
-  if (!scatter_.is_two_sided())
-    for (std::size_t k = 0; k < s.n; ++k) s.f.d_log_below[k] += s.f.d_log_above[k];
   add_powers(s.n, s.f.d_log_below.data(), x, scatter_.n_terms, sums);
-  if (!scatter_.is_two_sided()) return;
   add_powers(s.n, s.f.d_log_above.data(), x, scatter_.n_terms, sums + scatter_.n_terms);
-  if (scatter_.kind == ScatterKind::normal_laplace)
-    add_powers(s.n, s.f.d_log_tau.data(), x, 1, sums + 2 * scatter_.n_terms);
+  if (scatter_.has_normal_part()) add_powers(s.n, s.f.d_log_tau.data(), x, 1, sums + 2 * scatter_.n_terms);
 }
 
 double LawLikelihood::operator()(const Eigen::VectorXd& theta, Eigen::VectorXd* gradient) const {
@@ -273,7 +248,6 @@ double precision_of_asymmetry(Eigen::Index k) { return std::ldexp(1.0, 2 * stati
 }  // namespace
 
 double LawLikelihood::penalty(const Eigen::VectorXd& theta, Eigen::VectorXd* gradient) const {
-  if (!scatter_.is_two_sided()) return 0.0;
   const auto n_terms = static_cast<Eigen::Index>(scatter_.n_terms);
   double sum = 0.0;
   if (scatter_.log_size) {
@@ -286,7 +260,7 @@ double LawLikelihood::penalty(const Eigen::VectorXd& theta, Eigen::VectorXd* gra
       (*gradient)[n_law_ + n_terms] += weight * (ratio - 1.0);
     }
   }
-  if (scatter_.kind == ScatterKind::normal_laplace) {
+  if (scatter_.has_normal_part()) {
     const double rho = theta[theta.size() - 1];
     sum += 0.5 * kPrecisionOfRatio * rho * rho;
     if (gradient) (*gradient)[theta.size() - 1] -= kPrecisionOfRatio * rho;
@@ -302,9 +276,7 @@ double LawLikelihood::penalty(const Eigen::VectorXd& theta, Eigen::VectorXd* gra
 }
 
 void LawLikelihood::add_penalty_curvature(const Eigen::VectorXd& theta, Eigen::MatrixXd& information) const {
-  if (!scatter_.is_two_sided()) return;
-  if (scatter_.kind == ScatterKind::normal_laplace)
-    information(theta.size() - 1, theta.size() - 1) += kPrecisionOfRatio;
+  if (scatter_.has_normal_part()) information(theta.size() - 1, theta.size() - 1) += kPrecisionOfRatio;
   const auto n_terms = static_cast<Eigen::Index>(scatter_.n_terms);
   for (Eigen::Index k = 0; k < n_terms; ++k) {
     const Eigen::Index below = n_law_ + k, above = below + n_terms;
@@ -327,8 +299,7 @@ ScatterModel scatter_model_of(const Eigen::VectorXd& theta, Eigen::Index n_law, 
   ScatterModel result;
   result.v_ref_mps = scatter.v_ref_mps;
   result.log_below.assign(c, c + scatter.n_terms);
-  if (scatter.is_two_sided()) c += scatter.n_terms;
-  result.log_above.assign(c, c + scatter.n_terms);
+  result.log_above.assign(c + scatter.n_terms, c + 2 * scatter.n_terms);
   return result;
 }
 

@@ -21,21 +21,19 @@ inline constexpr std::size_t kParallel = 4096;  ///< samples of one piece of par
 /// Density of the scatter about the curve.
 enum class ScatterKind {
   normal_laplace,      ///< scales b_below(v), b_above(v), and a normal part of sqrt(b_below b_above) exp(rho)
-  asymmetric_laplace,  ///< scales b_below(v), b_above(v)
-  symmetric_laplace,   ///< b_below = b_above
-  normal,              ///< standard deviation b(v)
+  asymmetric_laplace,  ///< without the normal part
 };
 
-/// log b = sum_k c_k x^k, x = log(v / v_ref), k < n_terms; for both sides or for each.
+/// log b = sum_k c_k x^k, x = log(v / v_ref), k < n_terms, for each side.
 struct ScatterFamily {
   ScatterKind kind = ScatterKind::normal_laplace;
   std::size_t n_terms = 3;
   double v_ref_mps = 1.0;
-  double lost_share = 0.0;  ///< of bounces whose eps may be anything from 0 to 2; two-sided scatter only
+  double lost_share = 0.0;  ///< of bounces whose eps may be anything from 0 to 2
   std::optional<double> log_size =
       std::nullopt;  ///< log b at v_ref by a first look: the prior that keeps the scale from 0
-  bool is_two_sided() const { return kind == ScatterKind::normal_laplace || kind == ScatterKind::asymmetric_laplace; }
-  Eigen::Index n_parameters() const;
+  bool has_normal_part() const { return kind == ScatterKind::normal_laplace; }
+  Eigen::Index n_parameters() const { return static_cast<Eigen::Index>(2 * n_terms + (has_normal_part() ? 1 : 0)); }
 };
 
 /// Some samples: what is computed of them on the way to their likelihood.
@@ -55,7 +53,7 @@ double sum_of_products(std::size_t n, const double* a, const double* b);
 /// Adds the sum of a[k] x[k]^j to sums[j], j < n_powers.
 void add_powers(std::size_t n, const double* a, const double* x, std::size_t n_powers, double* sums);
 
-/// Log-likelihood of the curve and the scatter together: theta = (q, c_below[, c_above[, rho]]).
+/// Log-likelihood of the curve and the scatter together: theta = (q, c_below, c_above[, rho]).
 ///
 /// The law is the density's peak, of the scatter alone without the timing errors (mode_offset): with two exponentials
 /// where they join, where the scatter is symmetric also its mean.

@@ -102,13 +102,9 @@ void describe_nodes(LawFit& fit, const LawModel& model, const ParameterCovarianc
 
 void describe_goodness(LawFit& fit, const LawLikelihood& likelihood, const Maximum& maximum) {
   fit.loglik = maximum.loglik;
-  constexpr std::size_t kFewestDegrees = 5;  // of fewer chi^2 says nothing
-  if (const auto chi2 = pearson_chi2(likelihood.probabilities_below(maximum.x), fit.n_parameters);
-      chi2 && chi2->ndf >= kFewestDegrees) {
-    fit.chi2 = chi2->chi2;
-    fit.ndf = chi2->ndf;
-    fit.p_value = chi2->p_value;
-  }
+  constexpr double kFewestDegrees = 5.0;  // of fewer chi^2 says nothing
+  fit.pearson = pearson_chi2(likelihood.probabilities_below(maximum.x), fit.n_parameters);
+  if (fit.pearson && fit.pearson->ndf < kFewestDegrees) fit.pearson.reset();
   fit.residuals = residual_bins(likelihood, maximum.x);
 }
 

@@ -30,11 +30,7 @@ std::vector<double> LawLikelihood::probabilities_below(const Eigen::VectorXd& th
   std::vector<double> u(data_.size());
   visit_all([&](SampleBlock& s) {
     const NormalPart part = compute_scatter(theta, common, s);
-    double* const to = &u[s.begin];
-    if (scatter_.kind != ScatterKind::normal)
-      return normal_laplace_cdf(s.n, s.residual.data(), s.sides, part.tau, part.inverse_tau, to);
-    for (std::size_t k = 0; k < s.n; ++k) to[k] = s.residual[k] / hypot(s.sides.b_below[k], part.tau[k]);
-    normal_cdf_each({to, s.n});
+    normal_laplace_cdf(s.n, s.residual.data(), s.sides, part.tau, part.inverse_tau, &u[s.begin]);
   });
   return u;
 }
@@ -56,8 +52,6 @@ Eigen::MatrixXd LawLikelihood::scores_by_sample(const Eigen::VectorXd& theta) co
   Eigen::MatrixXd scores(n_parameters(), static_cast<Eigen::Index>(data_.size()));
   visit_all([&](SampleBlock& s) {
     compute(theta, common, s);
-    if (!scatter_.is_two_sided())
-      for (std::size_t k = 0; k < s.n; ++k) s.f.d_log_below[k] += s.f.d_log_above[k];
     for (std::size_t k = 0; k < s.n; ++k) {
       double* to = scores.col(static_cast<Eigen::Index>(s.begin + k)).data();
       for (std::size_t i = 0; i < static_cast<std::size_t>(n_law_); ++i) *to++ = s.f.d_location[k] * slope_of(s, i)[k];
@@ -65,8 +59,8 @@ Eigen::MatrixXd LawLikelihood::scores_by_sample(const Eigen::VectorXd& theta) co
         for (std::size_t j = 0; j < scatter_.n_terms; ++j, value *= x_[s.begin + k]) *to++ = value;
       };
       put_powers(s.f.d_log_below[k]);
-      if (scatter_.is_two_sided()) put_powers(s.f.d_log_above[k]);
-      if (scatter_.kind == ScatterKind::normal_laplace) *to = s.f.d_log_tau[k];
+      put_powers(s.f.d_log_above[k]);
+      if (scatter_.has_normal_part()) *to = s.f.d_log_tau[k];
     }
   });
   return scores;
@@ -106,14 +100,10 @@ Eigen::Matrix4d LawLikelihood::information_of(const Eigen::VectorXd& theta, cons
   SampleBlock s;
   s.begin = k;
   s.n = 1;
-  const double tau = *compute_scatter(theta, shape, s).tau, b_below = s.sides.b_below[0];
-  if (scatter_.kind == ScatterKind::normal) {
-    const double variance = square(b_below) + square(tau), share = square(b_below) / variance;
-    return Eigen::Vector4d(1.0 / variance, 2.0 * share * share, 0.0, 0.0).asDiagonal();
-  }
+  const double tau = *compute_scatter(theta, shape, s).tau;
   // of the point where the exponentials join and log tau, by the parameters
   Eigen::Matrix4d by_parameters = Eigen::Matrix4d::Identity();
-  if (scatter_.kind == ScatterKind::normal_laplace) {
+  if (scatter_.has_normal_part()) {
     const double size = s.size[0], half = 0.5 * s.peak[0], share = s.normal_share[0];
     by_parameters.row(0) << 1.0, -size * (half - s.peak_by_asymmetry[0]), -size * (half + s.peak_by_asymmetry[0]),
         -size * s.peak_by_rho[0];
@@ -121,28 +111,28 @@ Eigen::Matrix4d LawLikelihood::information_of(const Eigen::VectorXd& theta, cons
   } else {
     by_parameters.row(3).setZero();
   }
-  return by_parameters.transpose() * normal_laplace_information(b_below, s.sides.b_above[0], tau) * by_parameters;
+  return by_parameters.transpose() * normal_laplace_information(s.sides.b_below[0], s.sides.b_above[0], tau) *
+         by_parameters;
 }
 
 Eigen::MatrixXd LawLikelihood::expanded(const Eigen::Matrix4d& information) const {
-  // to which of location, log b_below, log b_above, rho a parameter belongs; of equal sides, to both
+  // to which of location, log b_below, log b_above, rho a parameter belongs
   const Eigen::Index n_terms = static_cast<Eigen::Index>(scatter_.n_terms), n = n_parameters();
   Eigen::MatrixXd belongs = Eigen::MatrixXd::Zero(4, n);
   belongs.row(0).head(n_law_).setOnes();
   belongs.row(1).segment(n_law_, n_terms).setOnes();
-  belongs.row(2).segment(n_law_ + (scatter_.is_two_sided() ? n_terms : 0), n_terms).setOnes();
-  if (scatter_.kind == ScatterKind::normal_laplace) belongs(3, n - 1) = 1.0;
+  belongs.row(2).segment(n_law_ + n_terms, n_terms).setOnes();
+  if (scatter_.has_normal_part()) belongs(3, n - 1) = 1.0;
   return congruence(belongs, information);
 }
 
 void LawLikelihood::fill_design(const Eigen::VectorXd& theta, std::size_t k, double* c) const {
   eps_of(theta, k, c);
   double* of_scales = c + n_law_;
-  const std::size_t n_sides = scatter_.is_two_sided() ? 2 : 1;
   double power_of_x = 1.0;
   for (std::size_t j = 0; j < scatter_.n_terms; ++j, power_of_x *= x_[k])
-    for (std::size_t side = 0; side < n_sides; ++side) of_scales[side * scatter_.n_terms + j] = power_of_x;
-  if (scatter_.kind == ScatterKind::normal_laplace) of_scales[n_sides * scatter_.n_terms] = 1.0;
+    of_scales[j] = of_scales[scatter_.n_terms + j] = power_of_x;
+  if (scatter_.has_normal_part()) of_scales[2 * scatter_.n_terms] = 1.0;
 }
 
 std::size_t LawLikelihood::information_stride() const {

@@ -136,17 +136,9 @@ Eigen::VectorXd start_values(const FirstLook& look, const ScatterFamily& scatter
     below = least_squares(powers, look.log_below);
     above = least_squares(powers, look.log_above);
   }
-  Eigen::VectorXd theta(law.size() + scatter.n_parameters());
-  if (scatter.kind == ScatterKind::normal_laplace) {
-    Eigen::VectorXd exponentials(theta.size() - 1);
-    exponentials << law, below, above;
-    return with_normal_part(exponentials, scatter, law.size());
-  }
-  if (scatter.kind == ScatterKind::asymmetric_laplace)
-    theta << law, below, above;
-  else
-    theta << law, 0.5 * (below + above);
-  return theta;
+  Eigen::VectorXd theta(law.size() + 2 * n_terms);
+  theta << law, below, above;
+  return scatter.has_normal_part() ? with_normal_part(theta, scatter, law.size()) : theta;
 }
 
 Eigen::VectorXd start_values(const LawData& data, const LawModel& model, const ScatterFamily& scatter) {

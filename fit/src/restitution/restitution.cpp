@@ -20,7 +20,7 @@ namespace {
 /// off.
 std::optional<Flag> breaking_flag(const Onset& onset) {
   if (onset.flags.has(Flag::doubtful) && !onset.sigma_t_s) return Flag::doubtful;
-  for (const Flag flag : {Flag::improbable, Flag::inferred, Flag::no_position})
+  for (const Flag flag : {Flag::improbable, Flag::inferred})
     if (onset.flags.has(flag)) return flag;
   return std::nullopt;
 }
@@ -216,22 +216,12 @@ SampleConditions conditions_of(const RestitutionConfig& config) {
   SampleConditions conditions;
   conditions.drag_corrected = config.air_kgpm3 == 0.0;
   conditions.contact_time_corrected = config.instant_contacts;
-  conditions.travel_time_corrected = config.travel_time.has_value();
   conditions.gravity_mps2 = config.gravity_mps2;
   conditions.ball = config.ball;
   conditions.plate = config.plate;
   conditions.air_kgpm3 = config.air_kgpm3;
-  conditions.wave_speed_mps = config.travel_time ? config.travel_time->wave_speed_mps : config.wave_speed_mps;
+  conditions.wave_speed_mps = config.wave_speed_mps;
   return conditions;
-}
-
-/// What the correction for travel times did to the samples of a drop: the sum of the squares.
-double squared_shifts(const RestitutionSamples& corrected, const RestitutionSamples& uncorrected) {
-  std::map<std::int64_t, double> eps;
-  for (const RestitutionSample& s : uncorrected) eps[s.impact] = s.eps;
-  double squares = 0.0;
-  for (const RestitutionSample& s : corrected) squares += square(s.eps - eps.at(s.impact));
-  return squares;
 }
 
 }  // namespace
@@ -239,7 +229,6 @@ double squared_shifts(const RestitutionSamples& corrected, const RestitutionSamp
 RestitutionInPieces::RestitutionInPieces(RestitutionConfig config)
     : config_(std::move(config)), conditions_(conditions_of(config_)) {
   check(config_);
-  if (config_.travel_time) without_travel_time({}, *config_.travel_time);  // what is wrong with it is said at once
 }
 
 RestitutionSamples RestitutionInPieces::add(Onsets onsets) {
@@ -247,9 +236,6 @@ RestitutionSamples RestitutionInPieces::add(Onsets onsets) {
   samples.reserve(onsets.size());
   counts_.n_onsets += onsets.size();
   for (Onset& onset : onsets) {
-    if (config_.travel_time && !drop_.empty() && onset.recording != drop_.front().recording)
-      throw InvalidArgument("positions are of one recording: take '" + printable(drop_.front().recording) + "' and '" +
-                            printable(onset.recording) + "' in turn, each with its own");
     if (!drop_.empty() && (onset.recording != drop_.front().recording || onset.drop != drop_.front().drop))
       end_drop(samples);
     drop_.push_back(std::move(onset));
@@ -260,9 +246,7 @@ RestitutionSamples RestitutionInPieces::add(Onsets onsets) {
 RestitutionSamples RestitutionInPieces::finish() {
   RestitutionSamples samples;
   if (!drop_.empty()) end_drop(samples);
-  const double n = std::max(1.0, static_cast<double>(counts_.n_samples));
   if (!heights_m_.empty()) counts_.height_suggested_m = median(heights_m_);
-  if (config_.travel_time) counts_.rms_shift_travel_time = std::sqrt(squared_travel_shifts_ / n);
   return samples;
 }
 
@@ -276,16 +260,7 @@ void RestitutionInPieces::end_drop(RestitutionSamples& samples) {
     onset.errors.clear();
   }
   const bool sigma_is_least = drop_.front().errors == kOfDigits, of_heights = drop_.front().fall_m.has_value();
-  RestitutionSamples of_drop;
-  if (config_.travel_time) {
-    of_drop = samples_of_drop(without_travel_time(drop_, *config_.travel_time), config_, counts_, heights_m_);
-    RestitutionCounts not_counted;
-    std::vector<double> not_used;
-    const RestitutionSamples uncorrected = samples_of_drop(drop_, config_, not_counted, not_used);
-    squared_travel_shifts_ += squared_shifts(of_drop, uncorrected);
-  } else {
-    of_drop = samples_of_drop(drop_, config_, counts_, heights_m_);
-  }
+  RestitutionSamples of_drop = samples_of_drop(drop_, config_, counts_, heights_m_);
   counts_.n_samples += of_drop.size();
   for (RestitutionSample& s : of_drop) {
     s.conditions = conditions_;
@@ -326,41 +301,6 @@ RestitutionSamples at_the_plate(RestitutionSamples samples, std::optional<double
   const Deviation found{known.has_drag ? log(*kappa_per_m / kappa_at_1_mps(known)) : 0.0,
                         known.has_contact ? log(*contact_s / known.contact.at_1_mps_s) : 0.0};
   return at_the_plate(std::move(samples), known, found);
-}
-
-Onsets without_travel_time(Onsets onsets, const TravelTime& travel) {
-  if (!(travel.wave_speed_mps > 0.0) || !std::isfinite(travel.wave_speed_mps))
-    throw InvalidArgument("speed of the sound " + std::to_string(travel.wave_speed_mps) + " m/s: must be positive");
-  for (Onset& onset : onsets) {
-    const auto found = travel.position_m.find({onset.drop, onset.impact});
-    if (found == travel.position_m.end()) {
-      onset.flags.add(Flag::no_position);
-      continue;
-    }
-    const auto& [x_m, y_m] = found->second;
-    onset.t_s -= hypot(x_m - travel.sensor_x_m, y_m - travel.sensor_y_m) / travel.wave_speed_mps;
-  }
-  return onsets;
-}
-
-std::vector<ColumnSpec> position_columns() {
-  constexpr Range kPlates_m{-1e3, 1e3};
-  return {{"drop", ColumnType::integer, true, kIndexRange},
-          {"impact", ColumnType::integer, true, kIndexRange},
-          {"x_m", ColumnType::real, true, kPlates_m},
-          {"y_m", ColumnType::real, true, kPlates_m}};
-}
-
-TravelTime travel_time_from_table(const Table& positions, double wave_speed_mps, double sensor_x_m, double sensor_y_m) {
-  TravelTime travel{wave_speed_mps, sensor_x_m, sensor_y_m, {}};
-  const auto &drops = *positions.integers("drop"), &impacts = *positions.integers("impact");
-  const auto &x = *positions.reals("x_m"), &y = *positions.reals("y_m");
-  for (std::size_t k = 0; k < positions.n_rows(); ++k)
-    if (std::isfinite(x[k]) && std::isfinite(y[k]) &&
-        !travel.position_m.try_emplace({drops[k], impacts[k]}, std::pair{x[k], y[k]}).second)
-      throw InvalidArgument("positions, " + positions.place_of(k) + ": impact " + std::to_string(impacts[k]) +
-                            " of drop " + std::to_string(drops[k]) + " has a position already; keep one of the rows");
-  return travel;
 }
 
 std::vector<IntervalPrediction> predict_intervals(const RestitutionSamples& samples, const std::string& recording,

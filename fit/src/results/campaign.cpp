@@ -12,7 +12,7 @@ namespace {
 Object pooled_law(const BetweenRecordings& between) {
   using B = BetweenRecordings;
   static constexpr Member law[]{
-      member<&B::kind>("kind", "`series`, `viscoelastic` or `constant`"), estimates_by_name<B>(),
+      member<&B::kind>("kind", "`series`, `viscoelastic` or `constant`"), estimates_by_name<&B::parameters>(),
       member<&B::correlation>("correlation", "Matrix by rows"),
       member<&B::nodes>("nodes", "ε of the law at some speeds: `[{v_mps, eps, se, ci95}]`"),
       computed(
@@ -39,13 +39,6 @@ std::optional<ChiSquareTest> shapes_where_tested(const BetweenRecordings& b) {
 Description members_of(const StandardDeviation*) {
   static constexpr Member all[]{member<&StandardDeviation::value>("value", "Standard deviation"),
                                 member<&StandardDeviation::ci95>("ci95", "By profile likelihood")};
-  return all;
-}
-
-Description members_of(const ChiSquareTest*) {
-  static constexpr Member all[]{member<&ChiSquareTest::chi2>("chi2", "χ²"),
-                                member<&ChiSquareTest::ndf>("ndf", "Its degrees of freedom"),
-                                member<&ChiSquareTest::p_value>("p_value", "Its p")};
   return all;
 }
 
@@ -116,7 +109,7 @@ Description members_of(const GroupLaw*) {
   static constexpr Member all[]{
       member<&G::name>("name", "The plate or the recording"), member<&G::n>("n", "Samples fitted"),
       member<&G::n_units>("n_units", "Drops or recordings, see `unit`"),
-      member<&G::nodes>("nodes", "ε of the law at speeds that all groups share"), estimates_by_name<G>()};
+      member<&G::nodes>("nodes", "ε of the law at speeds that all groups share"), estimates_by_name<&G::parameters>()};
   return all;
 }
 
@@ -132,7 +125,7 @@ Description members_of(const GroupDifference*) {
           "Of so large an offset by chance, if the groups differ as their units do; times the number of pairs; "
           "`null`: one unit in each"),
       member<&D::nodes>("nodes", "Differences of ε at the nodes, as of a law"),
-      estimates_by_name<D>()};
+      estimates_by_name<&D::parameters>()};
   return all;
 }
 

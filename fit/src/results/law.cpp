@@ -7,14 +7,6 @@ namespace bouncelab::fit {
 
 Value as_value(const Interval& interval) { return std::vector<double>{interval.lo, interval.hi}; }
 
-Description members_of(const BootstrapErrors*) {
-  using B = BootstrapErrors;
-  static constexpr Member all[]{
-      member<&B::se>("se", "Standard deviation of the replicates"), member<&B::ci68>("ci68", "Their percentiles"),
-      member<&B::ci95>("ci95", "Their percentiles"), member<&B::n_replicates>("n_replicates", "How many")};
-  return all;
-}
-
 Description members_of(const DropCount*) {
   static constexpr Member all[]{
       member<&DropCount::n>("n", "Number of drops"),
@@ -34,8 +26,6 @@ Description members_of(const Estimate*) {
           "Where `se` is by drop or by sample: from the expected Fisher information, if samples were independent")
           .left_out_where_unknown(),
       member<&E::ci95>("ci95", "`[lo, hi]`, 95 % confidence interval, of the same kind as `se`"),
-      member<&E::bootstrap>("bootstrap", "`{se, ci68, ci95, n_replicates}` by drop, with `--bootstrap`")
-          .left_out_where_unknown(),
       computed(
           "identified", [](const E& e) { return e.identified ? std::nullopt : std::optional(false); },
           "`false` where these data do not determine it, else not there")
@@ -152,10 +142,11 @@ Description members_of(const RecordingFit*) {
   using R = RecordingFit;
   static constexpr Member all[]{
       member<&R::recording>("recording", "Its name"),
-      member<&R::status>("status", "How its fit ended"),
-      member<&R::kind>("law", "`series`, `viscoelastic` or `constant`"),
-      member<&R::n>("n", "Samples fitted"),
-      member<&R::n_outliers>("n_outliers", "Samples left out as lost bounces"),
+      member<&R::law, &LawFit::status>("status", "How its fit ended"),
+      member<&R::law, &LawFit::kind>("law", "`series`, `viscoelastic` or `constant`"),
+      member<&R::law, &LawFit::n>("n", "Samples fitted"),
+      computed(
+          "n_outliers", [](const R& r) { return r.law.outliers.size(); }, "Samples left out as lost bounces"),
       member<&R::n_drops>("n_drops", "Its drops"),
       member<&R::v_lo_mps>("v_lo_mps", "Its speeds"),
       member<&R::v_hi_mps>("v_hi_mps", "Likewise"),
@@ -163,11 +154,11 @@ Description members_of(const RecordingFit*) {
           "offset",
           "`null`, or an estimate of how far its ε is off the common curve, the mean over all samples being 0 (its "
           "standard error takes curve, scatter and independence as given)"),
-      member<&R::nodes>(
+      member<&R::law, &LawFit::nodes>(
           "nodes",
           "ε of its law, the peak: at the nodes that lie within this recording's speeds, else at its median "
           "speed"),
-      estimates_by_name<R>()};
+      estimates_by_name<&R::law, &LawFit::parameters>()};
   return all;
 }
 
@@ -243,7 +234,7 @@ Description members_of(const Constants*) {
   static constexpr Member all[]{
       member<&C::status>("status", "How their fit ended; `not_applicable` where the law does not describe the samples"),
       member<&C::with_memory>("with_memory", "By the fit with memory; else impacts are taken as independent"),
-      estimates_by_name<C>(), member<&C::covariance>("covariance", "Matrix by rows"),
+      estimates_by_name<&C::parameters>(), member<&C::covariance>("covariance", "Matrix by rows"),
       member<&C::gamma>("gamma",
                         "γ of a viscoelastic sphere, an estimate, impacts taken as independent; `null` where none "
                         "describes the samples")};
@@ -275,8 +266,7 @@ namespace {
 Object goodness_of(const FitResult& result) {
   const LawFit& law = result.law;
   Object goodness;
-  if (law.chi2)
-    goodness = {{"chi2", value_of(law.chi2)}, {"ndf", value_of(law.ndf)}, {"p_value", value_of(law.p_value)}};
+  if (law.pearson) goodness = object_of(*law.pearson);
   if (law.anderson_darling) goodness.emplace_back("anderson_darling", value_of(*law.anderson_darling));
   return goodness;
 }

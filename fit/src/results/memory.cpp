@@ -54,7 +54,7 @@ Description members_of_roughness() {
       member<&M::roughness, &Roughness::q, &Estimate::se>("q_se", "Its standard error"),
       member<&M::roughness, &Roughness::q, &Estimate::ci95>("q_ci95", "Its 95 % interval"),
       computed(
-          "ball", [](const M& m) { return text_of_ball(m.ball); },
+          "ball", [](const M& m) { return m.ball ? std::optional(to_text(*m.ball)) : std::nullopt; },
           "That the following is for; `null` where none was named: a solid sphere"),
       member<&M::roughness, &Roughness::inertia_factor>("inertia_factor", "Its J/(m R²)"),
       member<&M::roughness, &Roughness::s2_no_slip>(

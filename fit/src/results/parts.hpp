@@ -2,12 +2,10 @@
 /// What the descriptions of several results share.
 #pragma once
 
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/description.hpp"
 #include "bouncelab/fit/memory_fit.hpp"
 
@@ -28,28 +26,22 @@ constexpr bouncelab::Member where_ok(std::string_view name, std::string_view tex
 
 /// The names of parameters, and each under its own.
 Object by_name(const std::vector<NamedEstimate>& parameters);
-template <class S>
+/// By the address of the parameters, or those on the way to them, as member() has it.
+template <auto First, auto... Further>
 constexpr Member estimates_by_name() {
+  using namespace describe_detail;
   return computed(
       "",
-      [](const S& s) {
-        Object all = by_name(s.parameters);
+      [](const decltype(owner_of(First))& s) {
+        const std::vector<NamedEstimate>& parameters = reach<First, Further...>(s);
+        Object all = by_name(parameters);
         std::vector<std::string> names;
-        for (const NamedEstimate& p : s.parameters) names.push_back(p.name);
+        for (const NamedEstimate& p : parameters) names.push_back(p.name);
         all.emplace_back("parameters", std::move(names));
         return all;
       },
       "`A2`, `A4`, `A5` ... or `gamma` or `eps`: an estimate each; `parameters`: their names, in the order of "
       "matrices");
-}
-
-template <class Thing>
-std::optional<std::string> text_of_ball(const std::optional<Thing>& ball) {
-  if (!ball) return std::nullopt;
-  if constexpr (std::is_same_v<Thing, Ball>)
-    return to_text(*ball);
-  else
-    return plate_text(*ball);
 }
 
 /// The points of a curve as two lists.

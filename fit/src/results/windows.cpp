@@ -22,20 +22,20 @@ Object as_columns(const std::vector<CurvePoint>& curve, const std::string& x, co
   return {{x, value_of(xs)}, {y, value_of(ys)}};
 }
 
-Description members_of(const ShapeFit*) {
-  using S = ShapeFit;
+Description members_of(const ChiSquareTest*) {
+  using C = ChiSquareTest;
+  static constexpr Member all[]{member<&C::chi2>("chi2", "χ²"), member<&C::ndf>("ndf", "Its degrees of freedom"),
+                                member<&C::p_value>("p_value", "Its p")};
+  return all;
+}
+
+Description members_of(const NormalFit*) {
+  using N = NormalFit;
   static constexpr Member all[]{
-      member<&S::shape>("shape",
-                        "`two_exponentials` (`peak_eps`, `slope_rising`, `slope_falling`) or `normal` (`mean`, `sd`)"),
-      member<&S::status>("status", "How its fit ended"),
-      computed(
-          "parameters", [](const S& s) { return by_name(s.parameters); }, "An estimate each, by name"),
-      member<&S::loglik>("loglik", "Log-likelihood"),
-      member<&S::delta_aic>("delta_aic", "AIC less that of the two exponentials"),
-      member<&S::chi2>("chi2", "Pearson's test in bins of equal probability"),
-      member<&S::ndf>("ndf", "Its degrees of freedom"),
-      member<&S::p_value>("p_value", "Its p"),
-      member<&S::expected>("expected", "Counts that it expects in the bins")};
+      member<&N::mean>("mean", "Estimate"), member<&N::sd>("sd", "Estimate"),
+      member<&N::delta_aic>("delta_aic", "AIC less that of the two exponentials; positive: the normal is worse"),
+      member<&N::pearson>("pearson", "As of the two exponentials"),
+      member<&N::expected>("expected", "Counts that it expects in the bins")};
   return all;
 }
 
@@ -52,20 +52,13 @@ Description members_of(const HistogramFit*) {
       member<&H::slope_rising>("slope_rising", "Estimate of the slope below the peak, per unit ε, positive"),
       member<&H::slope_falling>("slope_falling", "Likewise above it"),
       member<&H::slope_ratio>("slope_ratio", "Estimate of falling over rising"),
-      member<&H::p_equal_slopes>(
-          "p_equal_slopes",
-          "p-value of the likelihood ratio against one slope for both sides, scaled to the error of the ratio"),
       member<&H::loglik>("loglik", "Log-likelihood"),
-      member<&H::chi2>("chi2", "Pearson's test in bins of equal probability"),
-      member<&H::ndf>("ndf", "Its degrees of freedom"),
-      member<&H::p_value>("p_value", "Its p"),
-      member<&H::delta_aic_gaussian>("delta_aic_gaussian",
-                                     "AIC(normal) - AIC(two exponentials); positive: the normal is worse"),
+      member<&H::pearson>("pearson", "`{chi2, ndf, p_value}`: Pearson's test in bins of equal probability"),
       member<&H::bins>("bins", "`eps_edges`, `counts`, `underflow`, `overflow`"),
       computed(
           "curve", [](const H& h) { return as_columns(h.curve, "eps", "density"); },
           "`eps`, `density`: the fitted density with the timing errors"),
-      member<&H::shapes>("shapes", "The two exponentials and a normal, fitted to the same samples, see below")};
+      member<&H::normal>("normal", "`null`, or a normal distribution of the same samples, see below")};
   return all;
 }
 
@@ -128,9 +121,10 @@ Description members_of(const ErrorBudget*) {
           "width_law", [](const B& b) { return as_columns(b.width_law, "v_mps", "spread"); },
           "`{v_mps, spread}` at both ends"),
       computed(
-          "ball", [](const B& b) { return text_of_ball(b.ball); }, "That the shifts are for; `null`: not named"),
+          "ball", [](const B& b) { return b.ball ? std::optional(to_text(*b.ball)) : std::nullopt; },
+          "That the shifts are for; `null`: not named"),
       computed(
-          "plate", [](const B& b) { return text_of_ball(b.plate); }, "Likewise"),
+          "plate", [](const B& b) { return b.plate ? std::optional(plate_text(*b.plate)) : std::nullopt; }, "Likewise"),
       member<&B::rows>("rows", "Bins of speed, see below")};
   return all;
 }

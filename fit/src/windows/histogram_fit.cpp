@@ -28,17 +28,17 @@ struct QuantityError {
   Interval offset68, offset95;           ///< ends of the intervals less the estimate
 };
 
-/// One density for all samples of a window, unbinned: theta = (location, log b_below, log b_above), or (location, log
-/// b) where the sides are equal or the density is normal.
+/// Two exponentials for all samples of a window, unbinned: theta = (location, log b_below, log b_above).
 struct WindowFit {
-  ScatterKind kind = ScatterKind::asymmetric_laplace;
   Maximum maximum;
-  Eigen::VectorXd se;  ///< of theta, of independent samples
+  std::vector<double> probabilities_below;  ///< of each sample, with its own timing error
   DropCount drops;
-  /// Of peak, log b_below, log b_above, log(b_below / b_above); two-sided densities only. By drop where there are
-  /// enough drops, the law by which samples were moved to the centre taken as known.
+  /// Of peak, log b_below, log b_above, log(b_below / b_above). By drop where there are enough drops, the law by which
+  /// samples were moved to the centre taken as known.
   std::vector<QuantityError> errors;
 };
+
+ScatterFamily exponentials_of(const LawData& data) { return {ScatterKind::asymmetric_laplace, 1, data.v_mps.front()}; }
 
 /// Estimate of value whose error is that of sign * log(value): intervals are not symmetric.
 Estimate exponential_estimate(double log_value, const QuantityError& error, double sign) {
@@ -78,20 +78,16 @@ QuantityError quantity_error(const LogLikelihood& function, const WindowFit& fit
 }
 
 /// @param data  at least 5 samples
-WindowFit fit_window(const LawData& original, ScatterKind kind) {
-  const LawModel constant = make_law_model(LawKind::constant, {}, original.v_mps);
-  const ScatterFamily family{kind, 1, original.v_mps.front()};
+WindowFit fit_window(const LawData& original, const LawModel& constant, const Eigen::VectorXd& start) {
+  const ScatterFamily family = exponentials_of(original);
   LawData data = original;
-  const Eigen::VectorXd start = start_values(original, constant, family);
-  if (kind != ScatterKind::normal)
-    widen(data, scatter_model_of(start, constant.n_parameters(), family),
-          1.0 / std::sqrt(static_cast<double>(original.size())));
+  widen(data, scatter_model_of(start, constant.n_parameters(), family),
+        1.0 / std::sqrt(static_cast<double>(original.size())));
   const LawLikelihood likelihood(data, constant, family);
   const LogLikelihood function = [&](const Eigen::VectorXd& x, Eigen::VectorXd* g) { return likelihood(x, g); };
-  WindowFit fit{kind, maximise(function, start, likelihood.information(start)), {}, {}, {}};
+  WindowFit fit{maximise(function, start, likelihood.information(start)), {}, {}, {}};
+  fit.probabilities_below = LawLikelihood(original, constant, family).probabilities_below(fit.maximum.x);
   const Eigen::MatrixXd white = whitening(likelihood.information(fit.maximum.x), 1e-10);
-  fit.se = gram(white).diagonal().cwiseSqrt();
-  if (kind != ScatterKind::asymmetric_laplace) return fit;
   const auto by_drop = errors_by_drop(likelihood, fit.maximum.x, white);
   fit.drops = {likelihood.n_drops(), by_drop ? ErrorBasis::by_drop : ErrorBasis::independent_samples};
   for (const Eigen::Vector3d& direction :
@@ -123,52 +119,82 @@ Estimate slope_ratio_estimate(const WindowFit& fit) {
   return exponential_estimate(fit.maximum.x[1] - fit.maximum.x[2], fit.errors[3], 1.0);
 }
 
-/// Distribution function of a fit at each sample, with the sample's own timing error.
-std::vector<double> probabilities_below(const LawData& data, const WindowFit& fit) {
-  const LawModel constant = make_law_model(LawKind::constant, {}, data.v_mps);
-  const ScatterFamily family{fit.kind, 1, data.v_mps.front()};
-  return LawLikelihood(data, constant, family).probabilities_below(fit.maximum.x);
+/// Normal scatter of a window, with each sample's timing error: theta = (mean, log sd).
+struct NormalWindow {
+  Maximum maximum;
+  Eigen::VectorXd se;
+};
+NormalWindow fit_normal(const LawData& data, const Eigen::VectorXd& start) {
+  const auto variance_of = [&](const Eigen::VectorXd& x, std::size_t k) {
+    return exp(2.0 * x[1]) + square(data.tau[k]);
+  };
+  const LogLikelihood function = [&](const Eigen::VectorXd& x, Eigen::VectorXd* gradient) {
+    double sum = 0.0, by_mean = 0.0, by_log_sd = 0.0;
+    for (std::size_t k = 0; k < data.size(); ++k) {
+      const double variance = variance_of(x, k), d = data.eps[k] - x[0], ratio = d * d / variance;
+      sum -= 0.5 * (ratio + log(2.0 * kPi * variance));
+      by_mean += d / variance;
+      by_log_sd += (ratio - 1.0) * exp(2.0 * x[1]) / variance;
+    }
+    if (gradient) *gradient = Eigen::Vector2d(by_mean, by_log_sd);
+    return sum;
+  };
+  const auto information = [&](const Eigen::VectorXd& x) {
+    Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+    for (std::size_t k = 0; k < data.size(); ++k)
+      sum += Eigen::Vector2d(1.0 / variance_of(x, k), 2.0 * square(exp(2.0 * x[1]) / variance_of(x, k)));
+    return sum;
+  };
+  NormalWindow fit{maximise(function, start, information(start).asDiagonal()), {}};
+  fit.se = information(fit.maximum.x).cwiseSqrt().cwiseInverse();
+  return fit;
 }
 
-/// The density expected of the window's samples, the mean over their timing errors, from the first edge to the last:
-/// each edge is a point, and between two lie an odd number, so that the middle of each bin is one. Of two-sided
-/// densities and the normal.
-std::vector<CurvePoint> density_curve(const LawData& data, const WindowFit& fit, const Bins& bins) {
-  const Eigen::VectorXd& theta = fit.maximum.x;
-  const bool is_normal = fit.kind == ScatterKind::normal;
+/// The density expected of the window's samples, the mean of `of` over their timing errors, from the first edge to the
+/// last: each edge is a point, and between two lie an odd number, so that the middle of each bin is one.
+/// @param of  (eps, timing errors) sum of the densities
+template <class Of>
+std::vector<CurvePoint> density_curve(const LawData& data, const Bins& bins, Of of) {
   constexpr std::size_t kMostBins = 80;  // 161 points or more, so that the picture is smooth
   const std::size_t n_bins = bins.counts.size(),
                     n_points = 1 + 2 * n_bins * std::max<std::size_t>(1, kMostBins / n_bins);
-  std::vector<double> sorted = data.tau;
+  std::vector<double> sorted = data.tau, taus;
   std::sort(sorted.begin(), sorted.end());
   const std::size_t n_taus = std::min(kBlockSize, sorted.size());
-  SidesBlock sides;
-  sides.fill(exp(theta[1]), exp(theta[is_normal ? 1 : 2]));
-  Block tau, inverse_tau;
-  for (std::size_t j = 0; j < n_taus; ++j) {
-    tau[j] = sorted[(2 * j + 1) * sorted.size() / (2 * n_taus)];
-    inverse_tau[j] = 1.0 / tau[j];
-  }
+  for (std::size_t j = 0; j < n_taus; ++j) taus.push_back(sorted[(2 * j + 1) * sorted.size() / (2 * n_taus)]);
   std::vector<CurvePoint> curve;
   for (std::size_t k = 0; k < n_points; ++k) {
     const double eps = bins.eps_edges.front() + (bins.eps_edges.back() - bins.eps_edges.front()) *
                                                     static_cast<double>(k) / static_cast<double>(n_points - 1);
-    double sum = 0.0;
-    if (is_normal) {
-      for (std::size_t j = 0; j < n_taus; ++j) {
-        const double variance = square(exp(theta[1])) + square(tau[j]);
-        sum += exp(-0.5 * square(eps - theta[0]) / variance) / std::sqrt(2.0 * kPi * variance);
-      }
-    } else {
-      Block d;
-      d.fill(eps - theta[0]);
-      DensityBlock f;
-      normal_laplace(n_taus, d.data(), sides, tau.data(), inverse_tau.data(), 0.0, f);
-      for (std::size_t j = 0; j < n_taus; ++j) sum += f.factor[j] * exp(f.exponent[j]);
-    }
-    curve.push_back({eps, sum / static_cast<double>(n_taus), std::nullopt});
+    curve.push_back({eps, of(eps, taus) / static_cast<double>(n_taus), std::nullopt});
   }
   return curve;
+}
+
+std::vector<CurvePoint> exponentials_curve(const LawData& data, const Eigen::VectorXd& theta, const Bins& bins) {
+  SidesBlock sides;
+  sides.fill(exp(theta[1]), exp(theta[2]));
+  return density_curve(data, bins, [&](double eps, const std::vector<double>& taus) {
+    Block d, inverse_tau;
+    d.fill(eps - theta[0]);
+    for (std::size_t j = 0; j < taus.size(); ++j) inverse_tau[j] = 1.0 / taus[j];
+    DensityBlock f;
+    normal_laplace(taus.size(), d.data(), sides, taus.data(), inverse_tau.data(), 0.0, f);
+    double sum = 0.0;
+    for (std::size_t j = 0; j < taus.size(); ++j) sum += f.factor[j] * exp(f.exponent[j]);
+    return sum;
+  });
+}
+
+std::vector<CurvePoint> normal_curve(const LawData& data, const Eigen::VectorXd& theta, const Bins& bins) {
+  return density_curve(data, bins, [&](double eps, const std::vector<double>& taus) {
+    double sum = 0.0;
+    for (const double tau : taus) {
+      const double variance = exp(2.0 * theta[1]) + square(tau);
+      sum += exp(-0.5 * square(eps - theta[0]) / variance) / std::sqrt(2.0 * kPi * variance);
+    }
+    return sum;
+  });
 }
 
 constexpr double kResolution = 1e-8;  // of eps, as in the law's fit
@@ -240,27 +266,6 @@ double mean_in_bin(const std::vector<CurvePoint>& density, std::size_t n_bins, s
   return sum / static_cast<double>(n);
 }
 
-/// What a fit says of the bins. @param density  as density_curve() has it
-ShapeFit shape_of(DensityShape shape, const WindowFit& fit, std::vector<NamedEstimate> parameters, const LawData& data,
-                  const Bins& bins, const std::vector<CurvePoint>& density) {
-  ShapeFit result;
-  result.shape = shape;
-  result.status = fit.maximum.converged ? FitStatus::ok : FitStatus::not_converged;
-  result.parameters = std::move(parameters);
-  result.loglik = fit.maximum.loglik;
-  if (const auto chi2 = pearson_chi2(probabilities_below(data, fit), result.parameters.size(), 1)) {
-    result.chi2 = chi2->chi2;
-    result.ndf = chi2->ndf;
-    result.p_value = chi2->p_value;
-  }
-  for (std::size_t k = 0; k < bins.counts.size(); ++k)
-    result.expected.push_back(static_cast<double>(data.size()) * (bins.eps_edges[k + 1] - bins.eps_edges[k]) *
-                              mean_in_bin(density, bins.counts.size(), k));
-  return result;
-}
-
-double aic_of(const ShapeFit& fit) { return 2.0 * static_cast<double>(fit.parameters.size()) - 2.0 * fit.loglik; }
-
 void fit_two_exponentials(HistogramFit& result, const LawData& data, const WindowFit& fit) {
   result.status = fit.maximum.converged ? FitStatus::ok : FitStatus::not_converged;
   result.drops = fit.drops;
@@ -271,35 +276,28 @@ void fit_two_exponentials(HistogramFit& result, const LawData& data, const Windo
   if ((!result.slope_rising->identified || !result.slope_falling->identified) && fit.maximum.converged)
     result.status = FitStatus::not_identifiable;  // the scatter is narrower than the timing error
   result.loglik = fit.maximum.loglik;
-  result.curve = density_curve(data, fit, result.bins);
-  result.shapes = {shape_of(DensityShape::two_exponentials, fit,
-                            {{"peak_eps", *result.peak_eps},
-                             {"slope_rising", *result.slope_rising},
-                             {"slope_falling", *result.slope_falling}},
-                            data, result.bins, result.curve)};
-  result.chi2 = result.shapes.front().chi2;
-  result.ndf = result.shapes.front().ndf;
-  result.p_value = result.shapes.front().p_value;
+  result.curve = exponentials_curve(data, fit.maximum.x, result.bins);
+  result.pearson = pearson_chi2(fit.probabilities_below, 3, 1);
 }
 
-void compare_with_other_densities(HistogramFit& result, const LawData& data, const WindowFit& fit) {
+/// @param start  (mean, log sd)
+void compare_with_normal(HistogramFit& result, const LawData& data, const Eigen::VectorXd& start) {
+  const NormalWindow fit = fit_normal(data, start);
   if (!fit.maximum.converged) return;
-  const WindowFit normal = fit_window(data, ScatterKind::normal);
-  const double sd = exp(normal.maximum.x[1]);
-  ShapeFit shape = shape_of(
-      DensityShape::normal, normal,
-      {{"mean", normal_estimate(normal.maximum.x[0], normal.se[0])}, {"sd", normal_estimate(sd, sd * normal.se[1])}},
-      data, result.bins, density_curve(data, normal, result.bins));
-  shape.delta_aic = aic_of(shape) - aic_of(result.shapes.front());
-  if (normal.maximum.converged) result.delta_aic_gaussian = shape.delta_aic;
-  result.shapes.push_back(std::move(shape));
-  const WindowFit symmetric = fit_window(data, ScatterKind::symmetric_laplace);
-  if (!symmetric.maximum.converged) return;
-  // twice the fall along the ratio of the sides is that of independent samples
-  const QuantityError& ratio = fit.errors[3];
-  const double share = ratio.se_independent ? square(*ratio.se_independent / ratio.se) : 1.0;
-  result.p_equal_slopes =
-      chi2_survival(share * std::max(0.0, 2.0 * (fit.maximum.loglik - symmetric.maximum.loglik)), 1.0);
+  const double mean = fit.maximum.x[0], sd = exp(fit.maximum.x[1]);
+  NormalFit& normal = result.normal.emplace();
+  normal.mean = normal_estimate(mean, fit.se[0]);
+  normal.sd = normal_estimate(sd, sd * fit.se[1]);
+  normal.delta_aic = 2.0 * (2.0 - fit.maximum.loglik) - 2.0 * (3.0 - *result.loglik);
+  std::vector<double> below;
+  for (std::size_t k = 0; k < data.size(); ++k) below.push_back((data.eps[k] - mean) / hypot(sd, data.tau[k]));
+  normal_cdf_each(below);
+  normal.pearson = pearson_chi2(below, 2, 1);
+  const std::vector<CurvePoint> curve = normal_curve(data, fit.maximum.x, result.bins);
+  const Bins& bins = result.bins;
+  for (std::size_t k = 0; k < bins.counts.size(); ++k)
+    normal.expected.push_back(static_cast<double>(data.size()) * (bins.eps_edges[k + 1] - bins.eps_edges[k]) *
+                              mean_in_bin(curve, bins.counts.size(), k));
 }
 
 HistogramFit fit_histogram(const RestitutionSamples& samples, const std::vector<double>& v_mps, double centre,
@@ -312,9 +310,11 @@ HistogramFit fit_histogram(const RestitutionSamples& samples, const std::vector<
   result.n = data.size();
   if (result.n > 0) result.bins = bins_of(data.eps);
   if (result.n < std::max<std::size_t>(n_min, 5)) return result;
-  const WindowFit fit = fit_window(data, ScatterKind::asymmetric_laplace);
+  const LawModel constant = make_law_model(LawKind::constant, {}, data.v_mps);
+  const Eigen::VectorXd start = start_values(data, constant, exponentials_of(data));
+  const WindowFit fit = fit_window(data, constant, start);
   fit_two_exponentials(result, data, fit);
-  compare_with_other_densities(result, data, fit);
+  if (fit.maximum.converged) compare_with_normal(result, data, Eigen::Vector2d(start[0], 0.5 * (start[1] + start[2])));
   return result;
 }
 
@@ -346,10 +346,6 @@ void check(const HistogramConfig& config) {
 std::optional<bool> slopes_differ(const HistogramFit& h) {
   if (!h.slope_ratio || !h.slope_ratio->identified || !h.slope_ratio->ci95) return std::nullopt;
   return h.slope_ratio->ci95->lo > 1.0 || h.slope_ratio->ci95->hi < 1.0;
-}
-
-const char* to_string(DensityShape shape) {
-  return shape == DensityShape::two_exponentials ? "two_exponentials" : "normal";
 }
 
 std::vector<HistogramFit> fit_histograms(const RestitutionSamples& samples, const HistogramConfig& config,

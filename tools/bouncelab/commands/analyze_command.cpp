@@ -166,7 +166,7 @@ Outcome run_analyze(const AnalyzeOptions& options, const Run& asked) {
   check_files(run, with_onsets_beside(given), outputs);
   std::vector<Note> notes;
   const std::vector<fs::path> files = each_once(given, run.common.n_threads, "recording", notes);
-  const loop::AnalyzeConfig config{options.detect.config, restitution_config(options.restitution),
+  const loop::AnalyzeConfig config{options.detect.config, with_ball(options.restitution),
                                    fit_config(options.fit, run.common), options.diagnostics,
                                    kMayStartChildBesideThreads ? resolved_threads(run.common.n_threads) : 1};
   const auto is_times = [&](const fs::path& file) {

@@ -65,7 +65,7 @@ Outcome read_sounds(const std::vector<fs::path>& files, const CompareOptions& op
       loop::detect_all(once, {}, n_threads, false, progress_line(run, "detect", "recordings"));
   for (const detection::RecordingDetection& recording : recordings) {
     const fit::RestitutionConfig config =
-        restitution_config(with_conditions_of({recording.recording}, options.restitution, run.given));
+        with_ball(with_conditions_of({recording.recording}, options.restitution, run.given));
     RestitutionSamples samples = fit::restitution_samples(recording.found.onsets, config).samples;
     if (!samples.empty()) take(std::move(samples));
   }

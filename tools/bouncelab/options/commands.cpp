@@ -67,7 +67,6 @@ Command analyze_command() {
        in_full_help(section_of(options->restitution.foreign, "Marks and tables of other programs, in place of sound")),
        in_full_help(section_of(options->detect.config, "Detection", {"detect"})),
        in_full_help(section_of(options->restitution.config, "Coefficients of restitution", {"restitution"})),
-       in_full_help(section_of(options->restitution, "Coefficients of restitution", {"restitution"})),
        in_full_help(section_of(options->fit.config, "Fit", {"fit"}))},
       [options](Run& run) {
         if (options->out.empty()) {

@@ -147,7 +147,9 @@ class Parser {
       const std::string name = argument.substr(0, argument.find('='));
       if (std::find(names.begin(), names.end(), name) != names.end()) continue;
       for (const auto& [gone, instead] :
-           {std::pair{"--robot", "--knocks, --clicks and --speech sound between the drops"},
+           {std::pair{"--bootstrap", "intervals are by drop from 10 drops on"},
+            {"--positions", "take distance over the speed of the sound out of the column t_s"},
+            {"--robot", "--knocks, --clicks and --speech sound between the drops"},
             {"--shell", "the shell runs all detectors"},
             {"--figures",
              "each figure's buttons in report.html save and print it; chromium --headless --print-to-pdf "

@@ -156,7 +156,7 @@ py::dict detect_samples(const py::array& array, double rate_hz, const std::strin
 /// @return {columns, summary}
 py::dict restitution(const py::dict& columns, const Arguments& arguments) {
   auto [options, run] = parse<stages::RestitutionOptions>(arguments);
-  const fit::RestitutionConfig config = stages::restitution_config(options);
+  const fit::RestitutionConfig config = stages::with_ball(options);
   fit::Restitution found = fit::restitution_samples(onsets_of(columns), config);
   if (found.samples.empty()) throw InvalidArgument("no three successive impacts: no coefficient of restitution");
   py::dict result;

@@ -83,7 +83,6 @@ const char* to_string(Severity severity);
   kind(one_speed) /* least, most [m/s] */                                       \
   kind(two_terms) /* samples */                                                 \
   kind(one_constant) /* samples */                                              \
-  kind(no_bootstrap)                                                            \
   kind(few_drops) /* ; how few */                                               \
   kind(errors_not_stated) /* samples, of samples */                             \
   kind(memory_without_ball) /* inertia over m R^2, radius [m] */                \

@@ -50,10 +50,4 @@ double median(std::vector<double> values);
 /// @param values  without NaN, in any order; at least one
 double upper_median(std::vector<double> values);
 
-/// The p-quantile, interpolated linearly between the values next to rank p (n - 1). Source: Hyndman & Fan, Am. Stat.
-/// 50, 361 (1996), definition 7; doi:10.1080/00031305.1996.10473566.
-/// @param sorted  ascending; at least one
-/// @param p       0 to 1
-double quantile(std::span<const double> sorted, double p);
-
 }  // namespace bouncelab

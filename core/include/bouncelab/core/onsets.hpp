@@ -24,7 +24,6 @@ enum class Flag {
   improbable,      ///< less likely than not to be an impact of the ball
   inferred,        ///< the impact was not detected by itself, but expected from its neighbours and then found
   missing_impact,  ///< the ratio of intervals is explained only by an impact that was not detected
-  no_position,     ///< the place of the impact is not known, so that the travel time is still in the time
   not_finite,      ///< the speed or the coefficient of restitution is missing, infinite or not a number
   overlap          ///< the next impact begins while this one still rings; the time and its standard error hold
 };

@@ -87,11 +87,6 @@ struct StandardDeviation {
 };
 Description members_of(const StandardDeviation*);
 
-struct ChiSquareTest {
-  double chi2 = 0.0, ndf = 0.0, p_value = 1.0;
-};
-Description members_of(const ChiSquareTest*);
-
 /// eps over the campaign, as a straight line.
 struct Drift {
   bool by_date = true;  ///< false: too few dates are known, and the recordings are taken in their order

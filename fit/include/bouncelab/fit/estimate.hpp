@@ -29,14 +29,6 @@ struct Interval {
 /// [lo, hi]
 Value as_value(const Interval& interval);
 
-/// From resampling.
-struct BootstrapErrors {
-  double se = 0.0;
-  Interval ci68, ci95;  ///< percentiles
-  std::size_t n_replicates = 0;
-};
-Description members_of(const BootstrapErrors*);
-
 /// What errors rest on. Impacts of one drop share the velocity that the ball has gained sideways and by spin, so they
 /// are not independent; drops are.
 enum class ErrorBasis {
@@ -64,13 +56,18 @@ struct Estimate {
   /// Standard error: from how the drops differ from each other where the fit says so (ErrorBasis::by_drop), else from
   /// the expected information of independent samples.
   std::optional<double> se;
-  std::optional<double> se_independent;      ///< where se is by drop: what it would be if samples were independent
-  std::optional<Interval> ci68;              ///< 68.27 % confidence interval, of the same basis as se
-  std::optional<Interval> ci95;              ///< 95 % confidence interval
-  std::optional<BootstrapErrors> bootstrap;  ///< by drop, where asked for
-  bool identified = true;                    ///< false: the data do not determine it (see the fit's message)
+  std::optional<double> se_independent;  ///< where se is by drop: what it would be if samples were independent
+  std::optional<Interval> ci68;          ///< 68.27 % confidence interval, of the same basis as se
+  std::optional<Interval> ci95;          ///< 95 % confidence interval
+  bool identified = true;                ///< false: the data do not determine it (see the fit's message)
 };
 Description members_of(const Estimate*);
+
+/// Of a sum of squares that is chi-square if what is tested holds.
+struct ChiSquareTest {
+  double chi2 = 0.0, ndf = 0.0, p_value = 1.0;  ///< p: probability of a larger chi2
+};
+Description members_of(const ChiSquareTest*);
 
 struct NamedEstimate {
   std::string name;

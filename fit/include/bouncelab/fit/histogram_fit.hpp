@@ -31,28 +31,14 @@ struct Bins {
 };
 Description members_of(const Bins*);
 
-/// The shapes of p(eps) that are compared.
-enum class DensityShape { two_exponentials, normal };
-/// The words of fit.json: "two_exponentials", "normal".
-const char* to_string(DensityShape shape);
-
-/// One shape of p(eps), fitted to the samples of a window, each with its timing error, by maximum likelihood, and what
-/// it expects of the bins.
-///
-///   two_exponentials  as HistogramFit: peak, slope_rising, slope_falling
-///   normal            mean, sd
-struct ShapeFit {
-  DensityShape shape = DensityShape::two_exponentials;
-  FitStatus status = FitStatus::not_converged;
-  std::vector<NamedEstimate> parameters;
-  double loglik = 0.0;
-  double delta_aic = 0.0;          ///< AIC less that of the two exponentials: > 0: these are preferred
-  std::optional<double> chi2;      ///< Pearson's, in bins of equal probability
-  std::optional<std::size_t> ndf;  ///< bins less one less parameters
-  std::optional<double> p_value;
-  std::vector<double> expected;  ///< counts of Bins::counts that it expects
+/// A normal distribution, fitted to the samples of a window, each with its timing error, by maximum likelihood.
+struct NormalFit {
+  Estimate mean, sd;
+  double delta_aic = 0.0;                ///< AIC less that of the two exponentials: > 0: these are preferred
+  std::optional<ChiSquareTest> pearson;  ///< in bins of equal probability; ndf: bins less one less parameters
+  std::vector<double> expected;          ///< counts of Bins::counts that it expects
 };
-Description members_of(const ShapeFit*);
+Description members_of(const NormalFit*);
 
 /// p(eps) in a window of speeds: the paper's two exponentials.
 ///
@@ -68,15 +54,11 @@ struct HistogramFit {
   DropCount drops;                                                ///< in the window, and what the errors rest on
   std::optional<Estimate> peak_eps, slope_rising, slope_falling;  ///< slopes per unit eps, both positive
   std::optional<Estimate> slope_ratio;                            ///< falling over rising: 1 if p(eps) is symmetric
-  std::optional<double> p_equal_slopes;         ///< likelihood ratio against one slope for both sides,
-                                                ///< scaled to the error of slope_ratio
-  std::optional<double> loglik, chi2, p_value;  ///< Pearson's chi2 in bins of equal probability
-  std::optional<std::size_t> ndf;
-  std::optional<double>
-      delta_aic_gaussian;  ///< AIC(normal) - AIC(two exponentials): > 0: the two exponentials are preferred
+  std::optional<double> loglik;
+  std::optional<ChiSquareTest> pearson;  ///< in bins of equal probability
   Bins bins;
-  std::vector<CurvePoint> curve;  ///< fitted density, timing error included
-  std::vector<ShapeFit> shapes;   ///< two exponentials as the paper drew them, normal
+  std::vector<CurvePoint> curve;    ///< fitted density, timing error included
+  std::optional<NormalFit> normal;  ///< for comparison; absent where one of the fits failed
 };
 Description members_of(const HistogramFit*);
 

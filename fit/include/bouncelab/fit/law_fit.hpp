@@ -30,10 +30,9 @@ struct LawFitConfig {
   /// Terms of log b(v) on each side, 1 to 8; 0: 1 below 30 samples, 1 to 3 by BIC below 20,000, from there 3 or 6 by
   /// BIC (AIC takes 6 too often: at 20,000 samples under noise 95 % intervals of A then cover 92.5 %).
   std::size_t n_scatter_terms = 0;
-  std::size_t n_goodness = 0;   ///< replicates of the Anderson-Darling test, from 100 samples on; 0: none
-  std::size_t n_bootstrap = 0;  ///< replicates of the bootstrap by drop; 0: none
-  bool compare_laws = false;    ///< fill LawFit::comparison
-  std::uint64_t seed = 1;       ///< of the replicates
+  std::size_t n_goodness = 0;  ///< replicates of the Anderson-Darling test, from 100 samples on; 0: none
+  bool compare_laws = false;   ///< fill LawFit::comparison
+  std::uint64_t seed = 1;      ///< of the replicates
   /// Speeds at which eps(v) is reported [m/s]; empty: below which 10, 50 and 90 % of the speeds lie.
   std::vector<double> node_speeds_mps;
 };
@@ -99,8 +98,8 @@ struct LawFit {
   std::vector<NodeEstimate> nodes;
   Matrix node_covariance;
   std::optional<ScatterModel> scatter;
-  std::optional<double> loglik, chi2, p_value;
-  std::optional<std::size_t> ndf;
+  std::optional<double> loglik;
+  std::optional<ChiSquareTest> pearson;  ///< of the probability transforms; absent below five degrees of freedom
   std::vector<ResidualBin> residuals;
   std::optional<AndersonDarling> anderson_darling;
   std::vector<LawComparison> comparison;  ///< the law itself first

@@ -42,17 +42,10 @@ Description members_of(const RecordingsTest*);
 /// The law of one recording alone.
 struct RecordingFit {
   std::string recording;
-  std::size_t n = 0;  ///< samples fitted, its own outliers left out
-  std::size_t n_outliers = 0;
-  std::vector<std::size_t> outliers;  ///< their places among its samples
   std::size_t n_drops = 0;
   double v_lo_mps = 0.0, v_hi_mps = 0.0;  ///< of its samples
-  FitStatus status = FitStatus::too_few_samples;
-  std::optional<Note> why;  ///< of the status; absent where all is well
-  LawKind kind = LawKind::series;
-  std::vector<NodeEstimate> nodes;  ///< the pooled fit's where its speeds reach; else its median speed
-  std::vector<NamedEstimate> parameters;
-  std::optional<Estimate> offset;  ///< of its eps from the curve of all, mean over all samples 0; by the test
+  LawFit law;                             ///< nodes: the pooled fit's where its speeds reach; else its median speed
+  std::optional<Estimate> offset;         ///< of its eps from the curve of all, mean over all samples 0; by the test
 };
 Description members_of(const RecordingFit*);
 

@@ -6,7 +6,6 @@
 #include <map>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "bouncelab/core/ball.hpp"
@@ -15,28 +14,8 @@
 #include "bouncelab/core/onsets.hpp"
 #include "bouncelab/core/restitution_law.hpp"
 #include "bouncelab/core/samples.hpp"
-#include "bouncelab/core/table.hpp"
 
 namespace bouncelab::fit {
-
-/// Where the impacts were and where the sensor is: the sound of an impact arrives |r - r_sensor| / c late.
-struct TravelTime {
-  double wave_speed_mps = 0.0;  ///< c > 0: 2500 or so in a glass plate, 343 in air
-  double sensor_x_m = 0.0, sensor_y_m = 0.0;
-  /// x, y of each impact by (drop, impact), from a simulation or a camera; one recording.
-  std::map<std::pair<std::int64_t, std::int64_t>, std::pair<double, double>> position_m;
-};
-
-/// Times at the plate instead of at the sensor. An onset without a position is flagged `no_position`, which breaks the
-/// chain of its drop there.
-/// @throws InvalidArgument where the wave speed is not positive
-Onsets without_travel_time(Onsets onsets, const TravelTime& travel);
-
-/// Columns of a table of positions: drop, impact, x_m, y_m.
-std::vector<ColumnSpec> position_columns();
-/// Positions from those columns; a row without numbers has no position.
-/// @throws InvalidArgument where an impact has two
-TravelTime travel_time_from_table(const Table& positions, double wave_speed_mps, double sensor_x_m, double sensor_y_m);
 
 struct RestitutionConfig {
   double gravity_mps2 = kDefaultGravity_mps2;  ///< > 0 [m/s^2]
@@ -44,8 +23,7 @@ struct RestitutionConfig {
   std::optional<Material> plate;               ///< likewise
   double air_kgpm3 = Air{}.density_kgpm3;      ///< density of the air, >= 0; 0: none [kg/m^3]
   bool instant_contacts = false;               ///< as in a simulation
-  std::optional<TravelTime> travel_time;       ///< taken out of the times before anything else
-  double wave_speed_mps = 2500.0;  ///< for the error budget, where travel times are not taken out; 343 for a microphone
+  double wave_speed_mps = 2500.0;              ///< of the sound, for the error budget; 343 for a microphone
   /// Height of the ball's lowest point over the plate at release [m], > 0: then the first impact of each drop counts,
   /// v_0 = sqrt(2 g h). Only where impact 0 was detected.
   std::optional<double> drop_height_m;
@@ -65,7 +43,6 @@ struct RestitutionCounts {
   std::optional<double> eps_median;  ///< of the samples without a flag; absent where there are none
   /// Places where the chain of one drop was broken, by reason
   std::map<Flag, std::size_t> breaks;
-  std::optional<double> rms_shift_travel_time;  ///< its mean is nearly zero: the ball goes to and fro
   /// Drops whose flights contradict the height given: their first impact is left out. And the height that these suggest
   /// [m], the median of them.
   std::size_t n_heights_contradicted = 0;
@@ -89,13 +66,13 @@ struct Restitution {
 /// absent where one of the three is. Neighbours share onsets: lag one correlates by about -2/3, lag two by +1/6.
 ///
 /// A sample needs three successive impacts. The chain of a drop is broken, there and nowhere else, by an onset
-/// flagged `improbable`, `inferred` or `no_position`, by a `doubtful` one without standard error, and by a jump in the
-/// column `impact`. An onset flagged `overlap`, `clipped` or, with a standard error, `doubtful` breaks nothing: the
-/// detector times it with a standard error of its own, which covers all places where a doubtful one may have been.
-/// Where the ratio of two neighbouring intervals leaves the median ratio m of its drop, and the ratio before or after
-/// it, by more than a factor sqrt(1 + m), an impact was missed (or one invented) between them: the factor is half-way,
-/// on a log scale, to what one missing impact does. Such a sample and its neighbours that share the wrong interval stay
-/// in the table, flagged `missing_impact` or `extra_impact`. (Needs at least 5 samples in the drop.)
+/// flagged `improbable` or `inferred`, by a `doubtful` one without standard error, and by a jump in the column
+/// `impact`. An onset flagged `overlap`, `clipped` or, with a standard error, `doubtful` breaks nothing: the detector
+/// times it with a standard error of its own, which covers all places where a doubtful one may have been. Where the
+/// ratio of two neighbouring intervals leaves the median ratio m of its drop, and the ratio before or after it, by more
+/// than a factor sqrt(1 + m), an impact was missed (or one invented) between them: the factor is half-way, on a log
+/// scale, to what one missing impact does. Such a sample and its neighbours that share the wrong interval stay in the
+/// table, flagged `missing_impact` or `extra_impact`. (Needs at least 5 samples in the drop.)
 ///
 /// These are ratios of intervals: what drag and contact time do to them the fit takes into account (at_the_plate).
 /// Nothing is clamped.
@@ -132,8 +109,7 @@ class RestitutionInPieces {
   SampleConditions conditions_;
   Onsets drop_;  // as far as it has come
   RestitutionCounts counts_;
-  double squared_travel_shifts_ = 0.0;  // sum over all samples
-  std::vector<double> heights_m_;       // that drops suggest against the one given
+  std::vector<double> heights_m_;  // that drops suggest against the one given
 };
 
 /// The interval after one impact: measured, and as a law predicts it from the interval before.
