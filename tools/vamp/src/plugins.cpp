@@ -160,7 +160,12 @@ class RecordingPlugin : public Vamp::Plugin {
       const detection::Detection found =
           detection::detect(recording_.samples(), static_cast<double>(m_inputSampleRate), "recording", config);
       if (found.onsets.empty()) say("no bouncing ball was found; bouncelab detect says why");
-      return features(found);
+      FeatureSet all = features(found);
+      // drops of balls at once overlap, and hosts expect an output's features in the order of time
+      for (auto& [output, of_output] : all)
+        std::stable_sort(of_output.begin(), of_output.end(),
+                         [](const Feature& a, const Feature& b) { return a.timestamp < b.timestamp; });
+      return all;
     } catch (const std::exception& error) {
       say(error.what());
     }
