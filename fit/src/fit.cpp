@@ -182,13 +182,7 @@ void describe_scatter(FitResult& result, const RestitutionSamples& kept, const P
                       const FitConfig& config) {
   result.histograms = fit_histograms(kept, config.histograms, result.law);
   if (prepared.used().size() > kMostShown) result.density = density_picture(prepared.shown());
-  BudgetConfig budget = budget_config_of(*prepared.part, config.budget);
-  const auto correct = [&](bool is_known, Effect& effect) {
-    if (is_known && effect == Effect::present) effect = Effect::corrected;
-  };
-  correct(prepared.curve && prepared.curve->known().has_drag, budget.drag);
-  correct(prepared.curve && prepared.curve->known().has_contact, budget.contact_time);
-  result.budget = error_budget(kept, result.law, budget);
+  result.budget = error_budget(kept, result.law, budget_config_of(*prepared.part, config.budget));
 }
 
 /// Are the samples of one ball? With the outliers of the pooled law: they may be all of one recording.

@@ -79,15 +79,8 @@ std::vector<LawComparison> comparison(const Candidate& main, const LawFitConfig&
 }  // namespace
 
 const char* to_string(LawKind kind) {
-  switch (kind) {
-    case LawKind::series:
-      return "series";
-    case LawKind::viscoelastic:
-      return "viscoelastic";
-    case LawKind::constant:
-      return "constant";
-  }
-  return "unknown";
+  constexpr const char* kWords[]{"series", "viscoelastic", "constant"};
+  return kWords[static_cast<std::size_t>(kind)];
 }
 
 namespace {
