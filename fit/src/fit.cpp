@@ -171,7 +171,6 @@ Prepared::Prepared(const RestitutionSamples& samples, const FitConfig& config)
 LawFitConfig main_law(const FitConfig& config, const std::optional<Curve>& curve) {
   LawFitConfig law = config.law;
   law.n_goodness = config.n_goodness;
-  law.compare_laws = true;
   if (law.node_speeds_mps.empty() && curve && curve->nodes.size() > 1)
     for (const CurveNode& node : curve->nodes) law.node_speeds_mps.push_back(node.v_mps);
   return law;
