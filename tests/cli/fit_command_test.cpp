@@ -90,10 +90,9 @@ TEST_F(FitCommand, WhatIsAskedForIsInTheResult) {
     EXPECT_DOUBLE_EQ(std::stod(line.substr(line.find(',') + 1)), point["eps"].number()) << line;
   }
   EXPECT_EQ(fit(table(2000, 0.2, 1.4), "--law-kind viscoelastic").exit_code, 0);
-  EXPECT_EQ(found()["constants"]["covariance"].size(), 1u);
+  EXPECT_GT(found()["misfit"]["ln_bayes_factor"].number(), 3.0);  // these bounces follow a series
   // of a constant that was asked for too few bounces are no reason
   const Result constant = fit(table(80, 0.3, 1.2), "--law-kind constant");
-  EXPECT_EQ(found()["scatter"].is_null(), false);
   for (const std::string& text : {constant.out, constant.err, found().dump()})
     EXPECT_THAT(text, testing::Not(testing::HasSubstr("too few bounces")));
 }
