@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bouncelab/loop/analyze.hpp"
 
-#include <algorithm>
 #include <memory>
 #include <utility>
 
@@ -45,18 +44,6 @@ std::vector<RecordingDetails> details_of(const Analysis& analysis, const Analyze
 void times_to_constants(Analysis& analysis, const AnalyzeConfig& config, const StageProgress& progress) {
   analysis.restitution = fit::restitution_samples(analysis.onsets, config.restitution);
   analysis.fit = fit::fit_all(analysis.restitution.samples, config.fit, callback(progress, "fit", "fits"));
-}
-
-void sound_to_constants(Analysis& analysis, const AnalyzeConfig& config, const SoundOf& sound_of,
-                        const StageProgress& progress) {
-  if (!first_found(analysis.recordings)) return;
-  for (const detection::RecordingDetection& r : analysis.recordings)
-    analysis.onsets.insert(analysis.onsets.end(), r.found.onsets.begin(), r.found.onsets.end());
-  times_to_constants(analysis, config, progress);
-  const detection::RecordingDetection& shown = *first_found(analysis.recordings);
-  analysis.wave = detection::wave_preview(sound_of(shown), input_name(shown.recording), shown.found.summary.channel,
-                                          shown.found.onsets);
-  if (config.with_details) analysis.details = details_of(analysis, config, sound_of);
 }
 
 }  // namespace
@@ -111,7 +98,14 @@ Analysis analyze_found(std::vector<detection::RecordingDetection> recordings, co
                        const SoundOf& sound_of, const StageProgress& progress) {
   Analysis analysis;
   analysis.recordings = std::move(recordings);
-  sound_to_constants(analysis, config, sound_of, progress);
+  const detection::RecordingDetection* const shown = first_found(analysis.recordings);
+  if (!shown) return analysis;
+  for (const detection::RecordingDetection& r : analysis.recordings)
+    analysis.onsets.insert(analysis.onsets.end(), r.found.onsets.begin(), r.found.onsets.end());
+  times_to_constants(analysis, config, progress);
+  analysis.wave = detection::wave_preview(sound_of(*shown), input_name(shown->recording), shown->found.summary.channel,
+                                          shown->found.onsets);
+  if (config.with_details) analysis.details = details_of(analysis, config, sound_of);
   return analysis;
 }
 

@@ -120,11 +120,7 @@ Recordings detect_all(const DetectOptions& options, const std::vector<std::files
   };
   const ProgressCallback progress = progress_line(run, "detect", files.size() == 1 ? "s of sound" : "recordings");
   const int n_threads = kMayStartChildBesideThreads ? resolved_threads(run.common.n_threads) : 1;
-  // the checksums of the provenance while the sound is searched, as a thread has time for them
-  parallel_for(2, n_threads, [&](std::size_t work) {
-    if (work == 1) return compute_sha256_ahead(files, n_threads);
-    detection::detect_each(files, options.config, n_threads, take, progress);
-  });
+  while_summing(files, n_threads, [&] { detection::detect_each(files, options.config, n_threads, take, progress); });
   return recordings;
 }
 

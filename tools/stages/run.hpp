@@ -3,7 +3,6 @@
 /// library, writes files. Nothing is computed here.
 #pragma once
 
-#include <algorithm>
 #include <cstdint>
 #include <functional>
 #include <map>

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 
-#include "bouncelab/core/error.hpp"
 #include "bouncelab/core/files.hpp"
 #include "bouncelab/loop/loop_score.hpp"
 #include "bouncelab/sim/sim.hpp"

@@ -9,7 +9,6 @@
 
 #include "bouncelab/detection/detect.hpp"
 #include "bouncelab/fit/fit.hpp"
-#include "bouncelab/fit/memory_fit.hpp"
 #include "bouncelab/report/answer.hpp"
 #include "bouncelab/sim/experiment.hpp"
 #include "bouncelab/sim/surface.hpp"

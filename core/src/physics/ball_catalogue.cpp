@@ -228,6 +228,7 @@ Description members_of(const BallKind*) {
       computed(
           "", [](const K& k) { return numbers_of(k.material); }, "Its material"),
       member<&K::source>("source", "Where the numbers are from"),
+      member<&K::contact_source>("contact_source", "Where its time of contact is from; empty: by Hertz, or not known"),
       member<&K::rebound>("rebound", "What it has to rebound by a rule of its sport; `null`: none is known")};
   return all;
 }

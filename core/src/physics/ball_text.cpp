@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
-#include <cstdio>
 #include <map>
 #include <string_view>
 
@@ -139,7 +138,9 @@ class DescriptionReader {
 
 /// "Tennis balls" -> "tennis"
 std::string as_in_catalogue(std::string name) {
-  for (char& c : name) c = c == ' ' || c == '_' ? '-' : static_cast<char>(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c);
+  name = lower_case(std::move(name));
+  std::replace_if(
+      name.begin(), name.end(), [](char c) { return c == ' ' || c == '_'; }, '-');
   if (name.ends_with("balls")) name.pop_back();
   return name.ends_with("-ball") ? name.substr(0, name.size() - 5) : name;
 }

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include "bouncelab/core/error.hpp"
 #include "bouncelab/core/numerics.hpp"
 #include "tables/foreign_columns.hpp"
 

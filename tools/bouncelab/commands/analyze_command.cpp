@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <optional>
 
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/files.hpp"
@@ -68,11 +67,7 @@ struct Read {
 Read read_sound(const std::vector<fs::path>& files, const loop::AnalyzeConfig& config, std::vector<Note> notes,
                 const Run& run) {
   Read read;
-  // the checksums of the provenance while the sound is searched, as a thread has time for them
-  parallel_for(2, config.n_threads, [&](std::size_t work) {
-    if (work == 1) return compute_sha256_ahead(files, config.n_threads);
-    read.found = loop::analyze(files, config, stage_progress(run));
-  });
+  while_summing(files, config.n_threads, [&] { read.found = loop::analyze(files, config, stage_progress(run)); });
   read.outcome = detection_outcome(read.found.recordings, std::move(notes));
   read.is_answered = first_found(read.found.recordings) != nullptr;
   if (read.is_answered) read.outcome.text.clear();

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cctype>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -17,99 +15,37 @@
 #include "stages/stages.hpp"
 
 namespace bouncelab::cli {
-namespace {
-
-/// "200", or "-" where it is not known.
-std::string elastic(const Material& material, double value) {
-  return material.youngs_modulus_pa > 0.0 ? fmt::format("{:.4g}", value) : "-";
-}
-
-std::string line(const BallKind& kind) {
-  std::string diameter = "any", mass = "-";
-  if (kind.diameter_m) {
-    diameter = fmt::format("{:.4g}", 1e3 * *kind.diameter_m);
-    mass = fmt::format("{:.4g}", 1e3 * mass_kg({0.5 * *kind.diameter_m, kind.material, kind.inertia_factor, {}}));
-  }
-  const std::string contact = kind.material.hertzian ? "Hertz"
-                              : kind.contact         ? fmt::format("{:.2g} ms", 1e3 * kind.contact->at_1_mps_s)
-                                                     : "-";
-  return fmt::format("{:<17} {:>12} {:>8} {:>16.5g} {:>8} {:>6} {:>10.3f} {:>8}  {}\n", kind.name, diameter, mass,
-                     kind.material.density_kgpm3, elastic(kind.material, 1e-9 * kind.material.youngs_modulus_pa),
-                     elastic(kind.material, kind.material.poisson_ratio), kind.inertia_factor, contact, kind.what);
-}
-
-std::string line(const PlateKind& kind) {
-  return fmt::format("{:<17} {:>16.4g} {:>8.4g} {:>6.3g} {:>11.2g} {:>6}  {}\n", kind.name, kind.material.density_kgpm3,
-                     1e-9 * kind.material.youngs_modulus_pa, kind.material.poisson_ratio, kind.loss_factor,
-                     kind.material.hertzian ? "yes" : "no", kind.what);
-}
-
-std::string source_of(const PlateKind& kind) { return kind.source; }
-std::string source_of(const BallKind& kind) {
-  return kind.source + (kind.contact ? fmt::format("; contact, within {:.0f} %: {}", 100.0 * kind.contact->spread,
-                                                   kind.contact_source)
-                                     : "");
-}
-/// What balls of sports have to rebound.
-std::string rebound_rules() {
-  std::string text;
-  for (const BallKind& kind : ball_kinds())
-    if (const auto& rule = kind.rebound)
-      text += fmt::format("  {:<17} dropped from {:.4g} cm onto {}: {}; {}\n", kind.name, 100.0 * rule->height_m,
-                          rule->floor, report::asked_rebound(*rule), rule->source);
-  return text;
-}
-
-template <class Kind>
-std::string sources(const std::vector<Kind>& kinds) {
-  std::string text;
-  for (const Kind& kind : kinds) text += fmt::format("  {:<17} {}\n", kind.name, source_of(kind));
-  return text;
-}
-
-/// "marble (glass:16mm)": a word of every day and what it is taken for.
-std::string everyday_words() {
-  std::string text;
-  for (const char* word : {"marble", "bouncy-ball", "ping-pong", "soccer", "pool"})
-    text += (text.empty() ? "" : ", ") + std::string(word) + " (" + to_text(ball_from_text(word)) + ")";
-  return text;
-}
-
-}  // namespace
-
 Outcome run_balls() {
   Outcome outcome;
-  outcome.text = fmt::format("{:<17} {:>12} {:>8} {:>16} {:>8} {:>6} {:>10} {:>8}\n", "--ball", "diameter[mm]",
-                             "mass[g]", "density[kg/m^3]", "E[GPa]", "nu", "J/(m R^2)", "contact");
-  for (const BallKind& kind : ball_kinds()) outcome.text += line(kind);
-  outcome.text +=
-      "\nAny size: the diameter follows, --ball steel:6mm; a radius is written --ball steel:r=3mm. Other numbers "
-      "follow "
-      "too:\n--ball steel:6mm,density=7800, or alone: --ball radius=20mm,mass=2.7g,inertia=0.65. The density of a "
-      "hollow "
-      "ball is its\nmass over its whole volume. Contact: how long it touches the floor at 1 m/s, by Hertz's theory or "
-      "as "
-      "measured of such\nballs; of one's own: --ball table-tennis,contact-time=0.8ms\nWords of every day are known "
-      "too:\n" +
-      everyday_words() + ";\na marble of another size: --ball marble:25mm\n\n";
-  outcome.text += fmt::format("{:<17} {:>16} {:>8} {:>6} {:>11} {:>6}\n", "--plate", "density[kg/m^3]", "E[GPa]", "nu",
-                              "loss factor", "Hertz");
-  for (const PlateKind& kind : plate_kinds()) outcome.text += line(kind);
-  outcome.text += "\nWhat balls of sports have to rebound\n" + rebound_rules();
-  outcome.text +=
-      "\nSources of the balls\n" + sources(ball_kinds()) + "Sources of the plates\n" + sources(plate_kinds());
+  std::string& text = outcome.text;
+  text =
+      "--ball: a name; of a material with the diameter, steel:6mm, or the radius, steel:r=3mm. Other numbers follow,\n"
+      "steel:6mm,density=7800, or stand alone, radius=20mm,mass=2.7g,inertia=0.65. The density of a hollow ball is\n"
+      "its mass over its whole volume. A ball touches the floor as long as Hertz's theory says, where no time stands\n"
+      "here; of one's own: table-tennis,contact-time=0.8ms. Words of every day: marble (glass:16mm), marble:25mm,\n"
+      "bouncy-ball, ping-pong, soccer, pool. All numbers and their sources: bouncelab balls --json\n\n";
+  for (const BallKind& kind : ball_kinds()) {
+    text += fmt::format("  {:<17} {}; ", kind.name, kind.what);
+    if (kind.diameter_m)
+      text += fmt::format("diameter {:.4g} mm, mass {:.4g} g, J = {:.3f} m R^2", 1e3 * *kind.diameter_m,
+                          1e3 * mass_kg({0.5 * *kind.diameter_m, kind.material, kind.inertia_factor, {}}),
+                          kind.inertia_factor);
+    else
+      text += fmt::format("{:.5g} kg/m^3", kind.material.density_kgpm3);
+    if (kind.contact) text += fmt::format(", touches the floor for {:.2g} ms at 1 m/s", 1e3 * kind.contact->at_1_mps_s);
+    if (const auto& rule = kind.rebound)
+      text += fmt::format("; dropped from {:.4g} cm onto {}: {} ({})", 100.0 * rule->height_m, rule->floor,
+                          report::asked_rebound(*rule), rule->by);
+    text += "\n";
+  }
+  text += "\n--plate: a name, or E=70GPa,nu=0.22,density=2500\n\n";
+  for (const PlateKind& kind : plate_kinds())
+    text += fmt::format("  {:<17} {}; {:.4g} kg/m^3, E = {:.4g} GPa, nu = {:.3g}, loss factor {:.2g}\n", kind.name,
+                        kind.what, kind.material.density_kgpm3, 1e-9 * kind.material.youngs_modulus_pa,
+                        kind.material.poisson_ratio, kind.loss_factor);
   outcome.result = catalogue();
   return outcome;
 }
-
-namespace {
-
-std::string lower_case(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
-  return text;
-}
-
-}  // namespace
 
 Outcome run_dem(const DemOptions& options) {
   const std::string content = whole_content(options.fit);

@@ -4,16 +4,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <filesystem>
 #include <limits>
 #include <set>
-#include <utility>
 
 #include "bouncelab/audio/annotations.hpp"
 #include "bouncelab/audio/sound_file.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/files.hpp"
+#include "bouncelab/core/text.hpp"
 #include "stages/files/foreign_files.hpp"
 #include "stages/files/provenance.hpp"
 #include "stages/files/table_file.hpp"
@@ -27,9 +26,7 @@ enum class Format { table, audacity, sonic_visualiser, praat, cues };
 
 Format format_of(const fs::path& path) {
   refuse_no_csv(path);
-  std::string extension = path.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string extension = lower_case(path.extension().string());
   if (extension == ".csv") return Format::table;
   if (extension.empty() && (path == "-" || path.native().starts_with("/dev/"))) return Format::table;  // no name tells
   if (extension == ".txt") return Format::audacity;

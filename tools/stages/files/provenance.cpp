@@ -137,12 +137,15 @@ std::string sha256_of_file(const fs::path& path) {
   return known[content] = std::move(sum);
 }
 
-void compute_sha256_ahead(const std::vector<fs::path>& files, int n_threads) {
-  parallel_for(files.size(), n_threads, [&](std::size_t k) {
-    try {
-      sha256_of_file(files[k]);
-    } catch (const FileError&) {  // said by whoever reads the sound
-    }
+void while_summing(const std::vector<fs::path>& files, int n_threads, const std::function<void()>& work) {
+  parallel_for(2, n_threads, [&](std::size_t part) {
+    if (part == 0) return work();
+    parallel_for(files.size(), n_threads, [&](std::size_t k) {
+      try {
+        sha256_of_file(files[k]);
+      } catch (const FileError&) {  // said by whoever reads the sound
+      }
+    });
   });
 }
 

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -30,10 +31,10 @@ class Sha256 {
 /// @throws FileError, Interrupted
 std::string sha256_of_file(const std::filesystem::path& path);
 
-/// Computes what sha256_of_file() will be asked for, on up to n_threads threads, while others do other work. What
+/// Does `work`, and meanwhile, as a thread has time for it, computes what sha256_of_file() will be asked for. What
 /// cannot be read is passed over; of a file that was written to in the last two seconds the sum cannot be kept.
-/// @throws Interrupted
-void compute_sha256_ahead(const std::vector<std::filesystem::path>& files, int n_threads);
+/// @throws Interrupted, what work threw
+void while_summing(const std::vector<std::filesystem::path>& files, int n_threads, const std::function<void()>& work);
 
 /// OUTPUT.meta.json
 std::filesystem::path provenance_path(const std::filesystem::path& output);

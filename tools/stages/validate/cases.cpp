@@ -6,6 +6,7 @@
 #include <cctype>
 #include <map>
 #include <optional>
+#include <utility>
 
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/text.hpp"
@@ -43,20 +44,15 @@ bool changes_impacts(const loop::Settings& settings) {
   });
 }
 
-/// The options and the seed that make a recording.
-struct Changed {
-  SimulateOptions simulate;
-  SynthesizeOptions synthesize;
-  CommonOptions common;
-};
-
-Changed with_settings(const ValidateOptions& options, const Run& run, const loop::Settings& first,
-                      const loop::Settings& settings) {
-  Scene scene = options.scene;
-  CommonOptions common = run.common;
+/// The scene and the seed that make a recording.
+std::pair<Scene, CommonOptions> with_settings(const ValidateOptions& options, const Run& run,
+                                              const loop::Settings& first, const loop::Settings& settings) {
+  std::pair<Scene, CommonOptions> changed{options.scene, run.common};
+  auto& [scene, common] = changed;
   set_scene(scene, common, first);
   set_scene(scene, common, settings);
-  return {with_world(scene.simulate, scene.world), with_world(scene.synthesize, scene.world), common};
+  scene.simulate.world = scene.synthesize.world = scene.world;
+  return changed;
 }
 
 /// The files of a folder that are sound, by their names.
@@ -73,9 +69,7 @@ std::vector<fs::path> sounds_of(const std::vector<std::string>& recordings) {
     for (const fs::directory_entry& entry : fs::directory_iterator(path)) {
       const fs::path& file = entry.path();
       if (!entry.is_regular_file() || file.filename().string().starts_with('.')) continue;
-      std::string ending = file.extension().string();
-      std::transform(ending.begin(), ending.end(), ending.begin(),
-                     [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+      const std::string ending = lower_case(file.extension().string());
       if (std::find(kEndings.begin(), kEndings.end(), ending) != kEndings.end()) sounds.push_back(file);
     }
     std::sort(sounds.begin() + first, sounds.end());
@@ -115,9 +109,9 @@ std::vector<Case> cases_of(const ValidateOptions& options, const Run& run, const
     const std::string name = name_of(settings);
     cases.push_back({name, folder / (name + ".wav"), folder / (name + ".truth.csv"), settings});
     try {  // what is wrong with any is said before the work
-      const Changed changed = with_settings(options, run, first, settings);
-      simulation_config(changed.simulate, changed.common.seed, run.common.n_threads);
-      synthesis_config(changed.synthesize, changed.common.seed, run.common.n_threads);
+      const auto [scene, common] = with_settings(options, run, first, settings);
+      simulation_config(scene.simulate, common.seed, run.common.n_threads);
+      synthesis_config(scene.synthesize, common.seed, run.common.n_threads);
     } catch (const InvalidArgument& error) {
       throw InvalidArgument("recording " + name + ": " + error.what());
     }
@@ -132,18 +126,18 @@ void make_sound(const ValidateOptions& options, const std::vector<Case>& cases, 
   for (std::size_t k = 0; k < cases.size(); ++k) {
     progress(static_cast<double>(k), static_cast<double>(cases.size()));
     const Case& c = cases[k];
-    Changed changed = with_settings(options, run, first_settings, c.settings);
+    auto [scene, common] = with_settings(options, run, first_settings, c.settings);
     Run quiet = run;
-    quiet.common = changed.common;
+    quiet.common = common;
     quiet.common.quiet = true;
     for (const loop::Settings& settings : {first_settings, c.settings})
       for (const auto& [name, value] : settings) set_parameter(quiet.parameters, name, value);
     const bool is_own = k == 0 || changes_impacts(c.settings);
-    changed.simulate.out = changed.synthesize.impacts = folder / ((is_own ? c : cases.front()).name + ".impacts.csv");
-    if (is_own) run_simulate(changed.simulate, quiet);
-    changed.synthesize.out = c.sound;
-    changed.synthesize.truth = c.truth;
-    run_synthesize(changed.synthesize, quiet);
+    scene.simulate.out = scene.synthesize.impacts = folder / ((is_own ? c : cases.front()).name + ".impacts.csv");
+    if (is_own) run_simulate(scene.simulate, quiet);
+    scene.synthesize.out = c.sound;
+    scene.synthesize.truth = c.truth;
+    run_synthesize(scene.synthesize, quiet);
   }
 }
 

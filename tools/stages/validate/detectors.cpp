@@ -12,6 +12,7 @@
 #include "bouncelab/audio/sound_file.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/files.hpp"
+#include "bouncelab/core/foreign_table.hpp"
 #include "bouncelab/core/parallel.hpp"
 #include "bouncelab/core/text.hpp"
 #include "bouncelab/detection/detect.hpp"
@@ -24,7 +25,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A line of a text and its numbers, at most three, between blanks; none where it holds anything else.
+/// A line of a text and its numbers, between blanks; none where it holds anything else.
 struct LineOfTimes {
   std::string_view text;
   std::vector<double> numbers;
@@ -32,14 +33,10 @@ struct LineOfTimes {
 
 std::vector<double> numbers_of(std::string_view line) {
   std::vector<double> numbers;
-  for (std::size_t at = 0;
-       (at = line.find_first_not_of(" \t\r", at)) != std::string_view::npos && numbers.size() < 3;) {
-    double value = 0.0;
-    const auto [end, status] = from_chars(line.data() + at, line.data() + line.size(), value);
-    at = static_cast<std::size_t>(end - line.data());
-    const bool ends = at == line.size() || line[at] == ' ' || line[at] == '\t' || line[at] == '\r';
-    if (status != std::errc{} || !std::isfinite(value) || !ends) return {};
-    numbers.push_back(value);
+  for (const std::string_view cell : cells_of(line, ' ')) {
+    const std::optional<NumberCell> number = number_of(cell, '.');
+    if (!number || number->is_clock) return {};
+    numbers.push_back(number->value);
   }
   return numbers;
 }

@@ -72,6 +72,9 @@ std::string decoded_text(std::string_view bytes, const std::string& name);
 /// Without what is unwanted at both ends.
 std::string_view trimmed(std::string_view text, std::string_view unwanted = " \t");
 
+/// With small letters of ASCII for capital ones.
+std::string lower_case(std::string text);
+
 /// The shortest text that is read as the same number.
 std::string number_text(double value);
 std::string number_text(float value);
