@@ -91,4 +91,11 @@ Description members_of(const RestitutionConfig*) {
   return options;
 }
 
+Description members_of(const RoughnessConfig*) {
+  static constexpr Member options[]{
+      member<&RoughnessConfig::n_goodness>("goodness_replicates", "Replicates of the Anderson-Darling test, 0 = none")
+          .within(0, 1e5)};
+  return options;
+}
+
 }  // namespace bouncelab::fit

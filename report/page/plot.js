@@ -110,6 +110,13 @@ async function saveSvg(name) {
   link.click();
   URL.revokeObjectURL(link.href);
 }
+/// #figures: the page becomes a list of its figures, for `bouncelab report --figures`.
+async function listFigures() {
+  const all = [];
+  for (const section of document.querySelectorAll('.figure')) all.push(await svgOf(section));
+  document.body.replaceChildren(element('script', {type: 'application/json', id: 'figures'}, JSON.stringify(all).replaceAll('<', '\\u003c')));
+}
+
 function showOnly(name) {
   const section = document.getElementById(name);
   if (!section) return;
@@ -142,4 +149,5 @@ function finishPlots() {
   });
   const asked = /^#only=([\w-]+)$/.exec(location.hash);
   if (asked) showOnly(asked[1]);
+  if (location.hash === '#figures') listFigures();
 }

@@ -194,4 +194,10 @@ Object object_of(const fit::FitResult& result, const FitInWords& words) {
   return all;
 }
 
+Object object_of(const fit::RoughnessResult& result, const std::vector<Note>& notes) {
+  Object all = bouncelab::object_of(result);
+  all.emplace_back("notes", values_of(notes));
+  return all;
+}
+
 }  // namespace bouncelab::report

@@ -226,4 +226,14 @@ std::vector<Note> notes_of(const FitResult& result, const RestitutionSamples& sa
   return notes;
 }
 
+std::vector<Note> notes_of(const RoughnessResult& result, const RestitutionSamples& samples) {
+  LeftOut left_out;
+  const PartOfSamples part = usable_samples(samples, left_out);
+  Notes notes;
+  note_all_samples(*part, left_out, notes);
+  note_memory(result.memory, notes);
+  order(notes);
+  return notes;
+}
+
 }  // namespace bouncelab::report

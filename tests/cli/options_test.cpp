@@ -142,7 +142,7 @@ TEST_F(Options, InRangeButOfNoUseGetAnAnswerInWords) {
            "synthesize i.csv --out o.wav --snr-db=-1e300", "detect r.wav --out o.csv --gravity=1e300",
            "restitution t.csv --out o.csv --drop-height=1e-300",
            "fit s.csv --out o.json --goodness-replicates 0 --window-width=4.9e-324",
-           "fit s.csv --goodness-replicates 0 --ball=radius=1e-300", "convert t.csv --to o.txt --unit=nan",
+           "roughness s.csv --goodness-replicates 0 --ball=radius=1e-300", "convert t.csv --to o.txt --unit=nan",
            "analyze r.wav --out o --goodness-replicates 0 --drop-height=1e-300"}) {
     SCOPED_TRACE(line);
     const Result result = shell("timeout 60 \"$B\" " + line + " --force --quiet");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// `fit --method memory` on simulated drops, and where there is nothing to know.
+// `fit --method memory` and `roughness` on simulated drops, and where there is nothing to know.
 #include <cmath>
 #include <numbers>
 
@@ -21,19 +21,26 @@ class RoughnessCommand : public ProgramTest {
 
 TEST_F(RoughnessCommand, FindsThatOfTheSimulatedBall) {
   simulate_samples();
-  ASSERT_EQ(run("fit s.csv --method memory --goodness-replicates 0 --out r.json --quiet").exit_code, 0);
+  const Result result = run("roughness s.csv --goodness-replicates 0 --out r.json");
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  for (const char* what : {"12 drops used", "q = ", "rms tilt of the contact's normal", "without friction",
+                           "asperities of one radius", "not to be known from the scatter"})
+    EXPECT_THAT(result.out, testing::HasSubstr(what));
   const auto r = json("r.json")["roughness"];
   // a 95 % interval would leave it out once in 20 seeds; these drops are the same in every run
   EXPECT_LT(r["q_ci95"][0].number(), true_q());
   EXPECT_GT(r["q_ci95"][1].number(), true_q());
   EXPECT_NEAR(r["s2_no_slip"].number() / r["q"].number(), 1.4, 1e-12);
-  EXPECT_EQ(json("r.json")["memory"]["holds"], true);
-  EXPECT_EQ(r["ball"], "steel:6mm");  // from the simulation, through the samples
-  const std::string of_shell =
-      "fit s.csv --method memory --goodness-replicates 0 --ball steel:6mm,inertia=0.6666666666666666";
-  ASSERT_EQ(run(of_shell + " --out shell.json --quiet").exit_code, 0);
-  const auto shell = json("shell.json")["roughness"];
-  EXPECT_NEAR(shell["s2_no_slip"].number() / shell["q"].number(), 5.0 / 3.0, 1e-12);  // c = 3/5
+  EXPECT_EQ(json("r.json")["holds"], true);
+  EXPECT_THAT(content("r.json.meta.json"), testing::HasSubstr("s.csv"));
+  expect_one_line_error(run("roughness s.csv --out r.json"), 3, {"r.json", "--force"});
+  EXPECT_EQ(json("r.json")["roughness"]["ball"], "steel:6mm");  // from the simulation, through the samples
+  expect_one_line_error(run("roughness s.csv --ball steel:6mm,inertia=0"), 2, {"--ball", "0.001 to 1"});
+  const Result shell =
+      run("roughness s.csv --goodness-replicates 0 --ball steel:6mm,inertia=0.6666666666666666 --json");
+  const auto of_shell = Json(shell.out)["roughness"];
+  // c = 3/5
+  EXPECT_NEAR(of_shell["s2_no_slip"].number() / of_shell["q"].number(), 5.0 / 3.0, 1e-12);
 }
 
 TEST_F(RoughnessCommand, OfAFitWithMemoryIsPrintedBesideTheIndependentLikelihood) {
@@ -83,6 +90,9 @@ TEST_F(RoughnessCommand, OfTooFewImpactsSaysHowManyItNeeds) {
     samples += "0," + std::to_string(k) + "," + std::to_string(1.3 * std::pow(0.975, k)) + "," +
                std::to_string(0.975 + 1e-4 * (k % 3)) + "\n";
   write("s.csv", samples);
+  expect_one_line_error(run("roughness s.csv --quiet --out r.json"), 1, {"s.csv", "roughness", "60 impacts"});
+  EXPECT_EQ(json("r.json")["status"], "too_few_samples");
+  EXPECT_TRUE(json("r.json")["roughness"].is_null());
   // of a fit the independent likelihood is left
   EXPECT_THAT(run("fit s.csv --method memory --out f.json --goodness-replicates 0").err,
               testing::HasSubstr("warning: memory could not be fitted: "));

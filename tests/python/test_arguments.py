@@ -17,7 +17,7 @@ NOT_IN = {"simulate": {"write_surface"}, "synthesize": {"truth", "each_drop", "c
           # that draws no random numbers; from_csv takes what files are
           "restitution": {"seed", "threads", "as", "columns", "tier"}}
 IN_PYTHON = {"progress", "name"}
-COMMANDS = ["simulate", "synthesize", "detect", "restitution", "fit", "loop"]
+COMMANDS = ["simulate", "synthesize", "detect", "restitution", "fit", "roughness", "loop"]
 
 
 class Keywords(Case):
@@ -139,10 +139,11 @@ class Errors(Case):
     def test_what_cannot_be_fitted(self):
         with self.assertRaisesRegex(ValueError, "no three successive impacts"):
             bl.restitution(bl.Onsets(t=[0.0, 1.0]))
-        with self.assertRaisesRegex(TypeError, "int given"):
-            bl.fit(3)
-        with self.assertRaisesRegex(ValueError, "eps|v_mps"):
-            bl.fit(bl.Samples())
+        for function in (bl.fit, bl.roughness):
+            with self.assertRaisesRegex(TypeError, "int given"):
+                function(3)
+            with self.assertRaisesRegex(ValueError, "eps|v_mps"):
+                function(bl.Samples())
         few = bl.fit(bl.Samples(v=[1.0, 0.9], eps=[0.9, 0.9]))
         self.assertNotIn(few.status, ("ok", "not_identifiable"))
         found = few.eps(1.0)  # of two bounces, by what such balls do

@@ -15,9 +15,9 @@ from support import Case
 
 MODULES = ["bouncelab", "bouncelab._functions", "bouncelab.notebook", "bouncelab.plot", "bouncelab.progress",
            "bouncelab.results", "bouncelab.stages", "bouncelab.theory"]
-FUNCTIONS = ["balls", "simulate", "synthesize", "detect", "restitution", "fit", "loop",
+FUNCTIONS = ["balls", "simulate", "synthesize", "detect", "restitution", "fit", "roughness", "loop",
              "eps_of_law", "fluctuation_sides"]
-CLASSES = ["Impacts", "Onsets", "Samples", "Recording", "Fit", "Loop"]
+CLASSES = ["Impacts", "Onsets", "Samples", "Recording", "Fit", "Roughness", "Loop"]
 PACKAGE = pathlib.Path(bl.__file__).parent
 
 

@@ -118,6 +118,8 @@ class Stages(Case):
             self.assertEqual(fit.results, bl.Fit.from_json(out).results)
             if "nodes" in keywords:
                 self.assertEqual((list(fit.nodes), list(fit.parameters)), ([0.8, 1.1], ["A2", "A4"]))
+        keywords = dict(goodness_replicates=9, ball="steel:6mm", plate="glass")
+        self.assertEqual(quiet(bl.roughness, samples, **keywords).results, printed("roughness", csv, **keywords))
 
 
 

@@ -221,6 +221,27 @@ TEST(MemoryOfFitAll, IsAStepOfTheProgress) {
               ::testing::Contains(::testing::StartsWith("memory could not be fitted: ")));
 }
 
+TEST(RoughnessOfABall, IsFoundWithinItsErrorWhateverItsInertia) {
+  RoughnessConfig config;
+  config.n_goodness = 0;
+  RestitutionSamples samples = drops(true);
+  Ball thin_shell = *samples.front().conditions.ball;
+  thin_shell.inertia_factor = 2.0 / 3.0;
+  name_ball(samples, thin_shell, {});
+  samples[7].flags = {Flag::missing_impact};
+  const RoughnessResult shell = measure_roughness(samples, config);
+  ASSERT_TRUE(shell.memory.holds);
+  EXPECT_LT(std::abs(shell.memory.roughness.q.value - kQ), 4.0 * *shell.memory.roughness.q.se);
+  // 500 widths know q to a tenth or so; were it the start value there would be no such error
+  EXPECT_LT(*shell.memory.roughness.q.se, 0.2 * kQ);
+  EXPECT_DOUBLE_EQ(shell.memory.roughness.s2_no_slip, shell.memory.roughness.q.value * (5.0 / 3.0));
+  EXPECT_EQ(shell.n_left_out.at("missing_impact"), 1u);
+  EXPECT_EQ(shell.memory.n_chains, 11u);  // the flagged impact parts its drop
+  const auto j = nlohmann::json::parse(json_text(value_of(shell)));
+  EXPECT_EQ(j.at("roughness").at("s2_no_slip"), shell.memory.roughness.s2_no_slip);
+  EXPECT_EQ(j.at("roughness").at("inertia_factor"), 2.0 / 3.0);
+}
+
 TEST(RoughnessOfABall, NamesSurfacesWhoseOffsetsHaveThatVariance) {
   // 1e5 asperities of one radius, solid ball: s2 = 2/N, c = 5/7 without slip and 5/2 without friction
   const double s2 = 2e-5;

@@ -71,10 +71,8 @@ std::vector<std::string> in_full(std::vector<std::string> typed) {
 /// What `typed`, which is no command, was probably meant to be.
 std::string unknown_command(const std::string& typed) {
   if (typed.find_first_of("./") != std::string::npos) return "no such file or command '" + typed + "'";
-  for (const auto& [gone, instead] :
-       {std::pair{"calibrate", "samples/calibration.py of the source does it by the Python module"},
-        {"roughness", "fit --method memory has it, `roughness` in fit.json"}})
-    if (typed == gone) return "'" + typed + "' is no command any more; " + instead;
+  if (typed == "calibrate")
+    return "'calibrate' is no command any more; samples/calibration.py of the source does it by the Python module";
   std::vector<std::string> names;
   for (const CommandName& command : all_commands()) names.push_back(command.name);
   const std::string nearest = nearest_name(typed, names);

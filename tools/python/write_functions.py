@@ -86,6 +86,19 @@ FUNCTIONS = {
             >>> fit = bl.fit(samples, goodness_replicates=0)
             >>> bool(fit.eps(0.6).lo95 < fit.eps(0.6).value < fit.eps(0.6).hi95)
             True'''),
+    "roughness": dict(
+        what="The roughness of a ball from the scatter of its coefficients of restitution.",
+        positional=[("samples", "Samples, mapping or path", None,
+                     "Of one ball: 60 impacts or more, drops of 10 successive ones.")],
+        returns=("Roughness", "The number q with its interval, and surfaces that scatter so."),
+        call="_stages.roughness(samples, given, progress)",
+        example='''
+            >>> import bouncelab as bl
+            >>> impacts = bl.simulate(drops=5, impacts=40, asperities=100000)
+            >>> columns = {"drop": impacts.drop, "impact": impacts.impact, "v_mps": impacts.v, "eps": impacts.eps}
+            >>> found = bl.roughness(columns, ball="steel:6mm", plate="glass", goodness_replicates=9)
+            >>> bool(found.q.lo95 < found.q.value < found.q.hi95)
+            True'''),
     "validate": dict(
         what="An onset detector against synthesized sound whose times are exactly known.",
         positional=[
@@ -219,7 +232,7 @@ from typing import Any, Dict, Literal, Optional, Sequence, Union
 
 from . import stages as _stages
 from .progress import Callback
-from .results import Fit, Impacts, Loop, Onsets, Recording, Samples, Validation
+from .results import Fit, Impacts, Loop, Onsets, Recording, Roughness, Samples, Validation
 
 '''
 text += "\n".join("\n" + function(name, spec) for name, spec in FUNCTIONS.items())

@@ -84,6 +84,10 @@ std::vector<Section> sections_of(RestitutionOptions& options) {
 std::vector<Section> sections_of(FitOptions& options) {
   return {ball_section(options.world, "what the samples say"), section_of(options.config, "Fit")};
 }
+std::vector<Section> sections_of(RoughnessOptions& options) {
+  return {ball_section(options.world, "what the samples say, else a solid ball of the paper's radius"),
+          section_of(options.config)};
+}
 
 Object summary_of(const fit::RestitutionCounts& counts, const fit::RestitutionConfig& config) {
   Object summary = object_of(counts);
@@ -198,6 +202,57 @@ Outcome run_fit(const FitOptions& options, const Run& run) {
   Outcome outcome = fit_outcome(result, words, input_name(files.front()) + more_files(files.size()));
   outcome.text = lines_of(taken_for) + outcome.text;
   outcome.result = all;
+  return outcome;
+}
+
+namespace {
+
+std::string describe(const fit::RoughnessResult& result) {
+  const fit::MemoryFit& memory = result.memory;
+  std::string text = fmt::format("{} impacts of {} drops used\n", memory.n, memory.n_drops);
+  if (memory.status != fit::FitStatus::ok) return text;
+  const fit::Roughness& r = memory.roughness;
+  if (memory.holds) text += report::in_words(memory) + "\n";
+  text += report::in_words(r) + "\n";
+  text += fmt::format(
+      "variance s2 of each component of the contact's offset over the ball's radius, J = {:.4g} m R^2 ({}): {:.3g} "
+      "without slip, {:.3g} without friction\n",
+      r.inertia_factor, memory.ball ? to_text(*memory.ball) : "a solid sphere; no ball was named", r.s2_no_slip,
+      r.s2_frictionless);
+  text += fmt::format(
+      "surfaces that scatter the same, without slip: {:.3g} asperities of one radius; or asperities all over whose "
+      "radii are exponential, of mean {:.3g} R; or 1e6 of them with radii uniform over a width of {:.3g} R\n",
+      r.n_constant_radii, r.lambda_exponential, r.width_uniform_1e6);
+  return text +
+         "not to be known from the scatter: which of these surfaces it is, the number of asperities, their radii, and "
+         "whether contacts slip\n";
+}
+
+}  // namespace
+
+Outcome run_roughness(const RoughnessOptions& options, const Run& run) {
+  const std::vector<std::filesystem::path> files(options.samples.begin(), options.samples.end());
+  check_files(run, files, {options.out});
+  Outcome outcome;
+  std::vector<std::string> taken_for;
+  RestitutionSamples samples = read_sample_files(files, run.common.n_threads, {}, taken_for, outcome.notes);
+  name_ball(samples, ball_of(options.world), plate_of(options.world));
+  fit::RoughnessConfig config = options.config;
+  config.seed = run.common.seed;
+  config.n_threads = run.common.n_threads;
+  const fit::RoughnessResult result = fit::measure_roughness(samples, config);
+  outcome.notes = joined(outcome.notes, report::notes_of(result, samples));
+  outcome.result = report::object_of(result, outcome.notes);
+  if (!options.out.empty()) write_text(run, options.out, json_text(outcome.result, 1) + "\n", files);
+  outcome.text = describe(result);
+  if (!result.memory.holds) {
+    outcome.exit_code = kNotUsable;
+    outcome.error =
+        input_name(files.front()) + more_files(files.size()) + ": " +
+        (result.memory.status == fit::FitStatus::ok ? "not the scatter of a rough ball, so that q means nothing: "
+                                                    : "roughness cannot be known: ") +
+        report::objections_in_words(result.memory);
+  }
   return outcome;
 }
 

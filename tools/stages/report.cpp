@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "stages/stages.hpp"
 
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cctype>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -8,8 +13,10 @@
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/files.hpp"
 #include "bouncelab/core/samples.hpp"
+#include "bouncelab/core/text.hpp"
 #include "bouncelab/report/page.hpp"
 #include "stages/files/provenance.hpp"
+#include "stages/files/scratch_folder.hpp"
 #include "stages/files/table_file.hpp"
 
 namespace bouncelab::stages {
@@ -45,6 +52,116 @@ std::string samples_if_few(const fs::path& path, const std::string& fit_json, st
   return few;
 }
 
+const std::string kOption = "--figures";
+
+fs::path installed_browser() {
+  for (const char* name : {"chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "microsoft-edge"})
+    if (const auto found = find_program(name)) return *found;
+  throw FileError(kOption,
+                  "needs Chromium, Chrome or Edge to draw the figures; install one (Debian, Ubuntu: apt install "
+                  "chromium), or save each figure by its button in report.html");
+}
+
+/// Draws pages without a window, with a profile of its own.
+class Browser {
+ public:
+  explicit Browser(const fs::path& scratch) : program_(installed_browser()), profile_(scratch / "profile") {}
+
+  /// @param wanted  what it is to do with the page. @return what it writes
+  std::string open(const std::string& address, const std::vector<std::string>& wanted) const {
+    constexpr std::size_t kMost_bytes = std::size_t{1} << 30;
+    ChildLimits limits;
+    limits.elapsed_s = 300.0;  // a page takes some seconds
+    std::vector<std::string> arguments{"--headless", "--disable-gpu", "--window-size=1280,1000",
+                                       "--virtual-time-budget=60000", "--user-data-dir=" + profile_.string()};
+    if (::geteuid() == 0) arguments.emplace_back("--no-sandbox");  // it does not start for root otherwise
+    arguments.insert(arguments.end(), wanted.begin(), wanted.end());
+    arguments.push_back("file://" + address);
+    const ProgramResult result = run_program(program_, arguments, kOption, -1, limits, kMost_bytes);
+    if (!result.ended_well) throw failure(result.complaints);
+    return result.output;
+  }
+
+  FileError failure(const std::string& complaints) const {
+    const std::string first = complaints.substr(0, complaints.find('\n'));
+    return {kOption,
+            program_.filename().string() + " cannot draw the figures" + (first.empty() ? "" : ": " + printable(first))};
+  }
+
+ private:
+  fs::path program_, profile_;
+};
+
+/// A page that holds the picture and nothing else, of its size.
+std::string page_of(const nlohmann::json& figure) {
+  const std::string width = figure.at("width").dump(), height = figure.at("height").dump();
+  return "<!DOCTYPE html><meta charset=\"utf-8\"><style>@page { size: " + width + "px " + height +
+         "px; margin: 0 } body { margin: 0 } svg { display: block }</style>" + figure.at("svg").get<std::string>();
+}
+
+bool is_plain(const std::string& name) {
+  return !name.empty() && std::all_of(name.begin(), name.end(),
+                                      [](unsigned char c) { return std::isalnum(c) != 0 || c == '-' || c == '_'; });
+}
+
+/// What the page's scripts put in place of the page (listFigures in plot.js).
+nlohmann::json listed_figures(const Browser& browser, const fs::path& page) {
+  const std::string begin = "<script type=\"application/json\" id=\"figures\">", end = "</script>";
+  const std::string drawn = browser.open(page.string() + "#figures", {"--dump-dom"});
+  const std::size_t at = drawn.find(begin);
+  if (at == std::string::npos) throw browser.failure("its page has no list of figures");
+  const std::size_t first = at + begin.size();
+  return nlohmann::json::parse(drawn.substr(first, drawn.find(end, first) - first));
+}
+
+using Files = std::vector<std::pair<fs::path, std::string>>;
+
+/// All figures of a page, each as NAME.svg and NAME.pdf, as its own scripts draw them, by a browser without a window:
+/// Chromium, Chrome or Edge.
+/// @param page      as report::render makes it, with a figure at least
+/// @param progress  called after each figure
+/// @throws FileError where no such browser is installed, or it cannot draw them; Interrupted
+Files draw_figures(const std::string& page, const fs::path& folder, const ProgressCallback& progress) {
+  const ScratchFolder scratch;
+  const Browser browser(scratch.path());
+  const fs::path whole = scratch.path() / "report.html", single = scratch.path() / "figure.html",
+                 pdf = scratch.path() / "figure.pdf";
+  write_whole(whole, page, true);
+  const nlohmann::json listed = listed_figures(browser, whole);
+  Files files;
+  for (const nlohmann::json& figure : listed) {
+    const std::string name = figure.at("name");
+    if (!is_plain(name)) throw browser.failure("a figure is called '" + name + "'");
+    write_whole(single, page_of(figure), true);
+    browser.open(single.string(), {"--no-pdf-header-footer", "--print-to-pdf=" + pdf.string()});
+    files.emplace_back(folder / (name + ".svg"), figure.at("svg"));
+    files.emplace_back(folder / (name + ".pdf"), whole_content(pdf));
+    fs::remove(pdf);
+    progress(0.5 * static_cast<double>(files.size()), static_cast<double>(listed.size()));
+  }
+  return files;
+}
+
+/// All are drawn before the first is written.
+Outcome write_figures(const std::string& page, const std::string& folder, const std::vector<fs::path>& inputs,
+                      const Run& run) {
+  const OutputFolder output_folder{fs::path(folder)};
+  const Files files = draw_figures(page, folder, progress_line(run, "figures", "figures"));
+  if (files.empty()) throw FileError(inputs.front().string(), "its report has no figures");
+  std::vector<fs::path> outputs;
+  for (const auto& [path, content] : files) outputs.push_back(path);
+  check_files(run, inputs, outputs);
+  Outcome outcome;
+  Values written;
+  for (const auto& [path, content] : files) {
+    write_text(run, path, content, inputs);
+    written.emplace_back(path.string());
+  }
+  outcome.result = {{"figures", std::move(written)}};
+  outcome.text = fmt::format("{} figures in {}, each as SVG and PDF\n", files.size() / 2, folder);
+  return outcome;
+}
+
 }  // namespace
 
 std::string name_of_folder(const fs::path& folder) {
@@ -60,7 +177,8 @@ Outcome run_report(const ReportOptions& options, const Run& run) {
   const fs::path out = options.out.empty() ? folder / "report.html" : fs::path(options.out);
   std::vector<fs::path> shown{folder / "samples.csv"};
   for (const auto& [name, member] : kParts) shown.push_back(folder / name);
-  check_files(run, shown, {out});
+  const bool writes_page = options.figures.empty() || !options.out.empty();
+  if (writes_page) check_files(run, shown, {out});
   std::vector<fs::path> inputs;
   report::ReportInput input;
   input.title = options.title.empty() ? "Restitution: " + name_of_folder(folder) : options.title;
@@ -72,11 +190,14 @@ Outcome run_report(const ReportOptions& options, const Run& run) {
     throw FileError(fit.string(), "is a fit of other samples than " + samples.string() +
                                       " has; make it anew (bouncelab fit or analyze, with --force)");
   input.samples_json = samples_if_few(folder / "samples.csv", input.fit_json, inputs);
-  write_text(run, out, report::render(input), inputs);
-  const std::string name = is_stream(out) ? out.string() : fs::absolute(out).lexically_normal().string();
+  const std::string page = report::render(input);
   Outcome outcome;
-  outcome.result = {{"report", out.string()}};
-  outcome.text = "Report: " + name + "\n";
+  if (!options.figures.empty()) outcome = write_figures(page, options.figures, inputs, run);
+  if (!writes_page) return outcome;
+  write_text(run, out, page, inputs);
+  const std::string name = is_stream(out) ? out.string() : fs::absolute(out).lexically_normal().string();
+  outcome.result.emplace_back("report", out.string());
+  outcome.text += "Report: " + name + "\n";
   return outcome;
 }
 

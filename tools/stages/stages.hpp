@@ -9,6 +9,7 @@
 
 #include "bouncelab/detection/detect.hpp"
 #include "bouncelab/fit/fit.hpp"
+#include "bouncelab/fit/memory_fit.hpp"
 #include "bouncelab/report/answer.hpp"
 #include "bouncelab/sim/experiment.hpp"
 #include "bouncelab/sim/surface.hpp"
@@ -121,6 +122,17 @@ Outcome fit_outcome(const fit::FitResult& result, const report::FitInWords& word
 /// What is known is written whatever the exit code.
 Outcome run_fit(const FitOptions& options, const Run& run);
 
+struct RoughnessOptions {
+  std::vector<std::string> samples;  ///< files
+  std::string out;                   ///< empty: none
+  fit::RoughnessConfig config;
+  BallChoice world;  ///< in place of what the samples say
+};
+
+std::vector<Section> sections_of(RoughnessOptions& options);
+/// Exit code 1 where the scatter is not that of a rough ball, or there are too few impacts to know.
+Outcome run_roughness(const RoughnessOptions& options, const Run& run);
+
 struct LoopOptions {
   std::string preset = "quick";
   std::string out;
@@ -141,7 +153,8 @@ void apply_loop_preset(LoopOptions& options, Run& run);
 struct ReportOptions {
   std::string folder;  ///< with fit.json, and summary.json, samples.csv, wave.json where they exist
   std::string out;
-  std::string title;  ///< empty: named after the folder
+  std::string title;      ///< empty: named after the folder
+  std::string figures{};  ///< folder for each figure as SVG and PDF; empty: none
 };
 
 /// Its last part: where it lies says nothing to a reader.

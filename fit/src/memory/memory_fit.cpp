@@ -327,6 +327,27 @@ Roughness equivalent_surfaces(const Estimate& q, double inertia_factor) {
   return r;
 }
 
+RoughnessResult measure_roughness(const RestitutionSamples& samples, const RoughnessConfig& config) {
+  RoughnessResult result;
+  LeftOut left_out;
+  const PartOfSamples part = usable_samples(samples, left_out);
+  const RestitutionSamples& used = *part;
+  with_threads(config.n_threads, [&] {
+    LawFitConfig start;
+    start.intervals = IntervalMethod::covariance;
+    start.seed = config.seed;
+    const LawFit independent = fit_law(used, start);
+    MemoryFitConfig memory;
+    memory.seed = config.seed;
+    memory.n_goodness = config.n_goodness;
+    for (const NodeEstimate& node : independent.nodes) memory.node_speeds_mps.push_back(node.v_mps);
+    result.memory = fit_memory(used, independent, memory);
+    if (!independent.outliers.empty()) left_out.n["outlier"] = independent.outliers.size();
+  });
+  result.n_left_out = left_out.n;
+  return result;
+}
+
 Estimate leak_of(const MemoryFit& memory) {
   const auto reversed = [](std::optional<Interval>& i) {
     if (i) i = Interval{1.0 - i->hi, 1.0 - i->lo};

@@ -109,4 +109,21 @@ Description members_of(const MemoryFit*) {
   return all;
 }
 
+Description members_of(const RoughnessResult*) {
+  using R = RoughnessResult;
+  static constexpr Member all[]{
+      member<&R::memory, &MemoryFit::status>("status", "As of the memory"),
+      member<&R::memory, &MemoryFit::holds>("holds", "As of the memory"),
+      member<&R::memory, &MemoryFit::n>("n", "Impacts used"),
+      member<&R::memory, &MemoryFit::n_drops>("n_drops", "Drops they are of"),
+      member<&R::memory, &MemoryFit::n_chains>("n_chains", "Pieces of drops without a missing impact"),
+      member<&R::n_left_out>("n_left_out", "Reason → number of samples left out"),
+      computed(
+          "roughness", [](const R& r) { return where_fitted(r.memory, roughness_of); }, "See [roughness](#roughness)"),
+      computed(
+          "tests", [](const R& r) { return where_fitted(r.memory, tests_of); }, "As of the memory"),
+      member<&R::memory, &MemoryFit::anderson_darling>("anderson_darling", "As of the memory")};
+  return all;
+}
+
 }  // namespace bouncelab::fit

@@ -214,6 +214,23 @@ Command fit_command() {
           with_files(files, *options), [options](Run& run) { return run_fit(*options, run); }};
 }
 
+Command roughness_command() {
+  using O = RoughnessOptions;
+  static constexpr Member files[]{
+      member<&O::samples>(
+          "samples", "Samples of one ball, as restitution writes them: 60 impacts or more, drops of 10 successive ones")
+          .required()
+          .positional(),
+      member<&O::out>("out", "Also the results, .json").writes("FILE")};
+  auto options = std::make_shared<O>();
+  return {
+      "roughness",
+      "The roughness of a ball from the scatter of its coefficients of restitution: q, and surfaces that scatter so",
+      "Example: bouncelab roughness samples.csv\n"
+      "         bouncelab roughness shell.csv --ball table-tennis --out roughness.json",
+      with_files(files, *options), [options](Run& run) { return run_roughness(*options, run); }};
+}
+
 Command compare_command() {
   using O = CompareOptions;
   static constexpr Member files[]{
@@ -240,11 +257,17 @@ Command report_command() {
   static constexpr Member files[]{
       member<&O::folder>("folder", "Folder that `loop`, `analyze` or `fit` wrote to").required().positional(),
       member<&O::out>("out", "HTML file to write; default FOLDER/report.html").writes("FILE"),
-      member<&O::title>("title", "Title of the page")};
+      member<&O::title>("title", "Title of the page"),
+      member<&O::figures>(
+          "figures",
+          "Each figure as SVG and PDF into this folder, in place of the page unless --out names one; needs Chromium, "
+          "Chrome or Edge")
+          .writes("FOLDER")};
   auto options = std::make_shared<O>();
   return {"report",
           "fit.json and what lies beside it -> one HTML file with pictures",
-          "Example: bouncelab report out/loop --out report.html",
+          "Example: bouncelab report out/loop --out report.html\n"
+          "         bouncelab report out/loop --figures figures",
           {{"", files, options.get()}},
           [options](Run& run) { return run_report(*options, run); }};
 }
@@ -342,13 +365,21 @@ const std::vector<CommandName>& all_commands() {
   static const std::string whole = "From recording, or simulation, to the answer", stages = "Step by step",
                            beside = "Beside them";
   static const std::vector<CommandName> all{
-      {"analyze", analyze_command, whole},    {"loop", loop_command, whole},
-      {"simulate", simulate_command, stages}, {"synthesize", synthesize_command, stages},
-      {"detect", detect_command, stages},     {"restitution", restitution_command, stages},
-      {"fit", fit_command, stages},           {"compare", compare_command, stages},
-      {"report", report_command, stages},     {"dem", dem_command, stages},
-      {"convert", convert_command, beside},   {"validate", validate_command, beside},
-      {"balls", balls_command, beside},       {"completion", completion_command, beside},
+      {"analyze", analyze_command, whole},
+      {"loop", loop_command, whole},
+      {"simulate", simulate_command, stages},
+      {"synthesize", synthesize_command, stages},
+      {"detect", detect_command, stages},
+      {"restitution", restitution_command, stages},
+      {"fit", fit_command, stages},
+      {"roughness", roughness_command, stages},
+      {"compare", compare_command, stages},
+      {"report", report_command, stages},
+      {"dem", dem_command, stages},
+      {"convert", convert_command, beside},
+      {"validate", validate_command, beside},
+      {"balls", balls_command, beside},
+      {"completion", completion_command, beside},
   };
   return all;
 }

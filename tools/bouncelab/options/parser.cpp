@@ -150,10 +150,7 @@ class Parser {
            {std::pair{"--bootstrap", "intervals are by drop from 10 drops on"},
             {"--positions", "take distance over the speed of the sound out of the column t_s"},
             {"--robot", "--knocks, --clicks and --speech sound between the drops"},
-            {"--shell", "the shell runs all detectors"},
-            {"--figures",
-             "each figure's buttons in report.html save and print it; chromium --headless --print-to-pdf "
-             "'report.html#only=slopes' makes a PDF"}})
+            {"--shell", "the shell runs all detectors"}})
         if (name == gone) return "'" + name + "' is no option any more; " + instead;
       const std::string nearest = nearest_name(name, names);
       return "unknown option '" + name + "'" + (nearest.empty() ? "" : "; did you mean '" + nearest + "'?");

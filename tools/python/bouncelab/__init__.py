@@ -18,8 +18,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from . import _core
-from ._functions import detect, fit, loop, restitution, simulate, synthesize, validate
-from .results import BouncelabWarning, Fit, Impacts, Loop, Onsets, Recording, Samples, Validation
+from ._functions import detect, fit, loop, restitution, roughness, simulate, synthesize, validate
+from .results import BouncelabWarning, Fit, Impacts, Loop, Onsets, Recording, Roughness, Samples, Validation
 from .theory import eps_of_law, fluctuation_sides
 
 if TYPE_CHECKING:
@@ -27,9 +27,9 @@ if TYPE_CHECKING:
 
 __version__: str = _core.version()
 __all__ = [
-    "BouncelabWarning", "Fit", "Impacts", "Loop", "Onsets", "Recording", "Samples", "Validation",
+    "BouncelabWarning", "Fit", "Impacts", "Loop", "Onsets", "Recording", "Roughness", "Samples", "Validation",
     "balls", "detect", "eps_of_law", "fit", "fluctuation_sides",
-    "loop", "plot", "restitution", "simulate", "synthesize", "validate",
+    "loop", "plot", "restitution", "roughness", "simulate", "synthesize", "validate",
 ]
 
 

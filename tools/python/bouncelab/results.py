@@ -455,6 +455,44 @@ class Fit:
         return fit_html(self)
 
 
+class Roughness:
+    """The roughness of a ball from how its coefficients of restitution scatter.
+
+    Attributes
+    ----------
+    results : dict
+        What ``bouncelab roughness --json`` prints.
+    """
+
+    def __init__(self, results: dict):
+        self.results = results
+
+    def _why(self) -> str:
+        return "; ".join(note["text"] for note in self.results["notes"] if note["kind"].startswith("memory_"))
+
+    @property
+    def holds(self) -> bool:
+        """Whether the scatter is that of a rough ball; otherwise q means nothing."""
+        return self.results["holds"]
+
+    @property
+    def q(self) -> Estimate:
+        """q = c s2, s2 the mean square offset of the contact over the ball's radius, each component."""
+        found = self.results["roughness"]
+        if found is None:
+            raise ValueError(self._why())
+        return _estimate({"q": found["q"], "se": found["q_se"], "ci95": found["q_ci95"]}, "q")
+
+    def to_dict(self) -> dict:
+        """What ``bouncelab roughness --json`` prints."""
+        return self.results
+
+    def __repr__(self) -> str:
+        if self.results["roughness"] is None:
+            return f"<Roughness: {self._why()}>"
+        return f"<Roughness: q = {self.q.value:.3g} ± {self.q.se:.2g}{'' if self.holds else ', does not hold'}>"
+
+
 class Loop:
     """The closed loop: files of every stage in a folder.
 

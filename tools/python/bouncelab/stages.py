@@ -9,7 +9,7 @@ from typing import Any, Dict, List
 
 from . import _core
 from .progress import shown
-from .results import BouncelabWarning, Fit, Impacts, Loop, Onsets, Recording, Samples, Validation
+from .results import BouncelabWarning, Fit, Impacts, Loop, Onsets, Recording, Roughness, Samples, Validation
 
 
 def _text(value: Any) -> str:
@@ -120,6 +120,13 @@ def fit(samples: Any, keywords: Dict[str, Any], progress: Any) -> Fit:
         fitted = Fit(_core.fit(samples.to_dict(), _arguments(keywords), callback), samples=samples)
     _warn(fitted.warnings)
     return fitted
+
+
+def roughness(samples: Any, keywords: Dict[str, Any], progress: Any) -> Roughness:
+    with shown(progress) as callback:
+        found = Roughness(json.loads(_core.roughness(Samples.of(samples).to_dict(), _arguments(keywords), callback)))
+    _warn([note["text"] for note in found.results["notes"] if note["severity"] != "detail"])
+    return found
 
 
 def loop(out: Any, keywords: Dict[str, Any], progress: Any) -> Loop:

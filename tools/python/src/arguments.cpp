@@ -88,16 +88,15 @@ template Parsed<stages::SynthesizeOptions> parse(const Arguments&);
 template Parsed<stages::DetectOptions> parse(const Arguments&);
 template Parsed<stages::RestitutionOptions> parse(const Arguments&);
 template Parsed<stages::FitOptions> parse(const Arguments&);
+template Parsed<stages::RoughnessOptions> parse(const Arguments&);
 template Parsed<stages::LoopOptions> parse(const Arguments&);
 
 std::string options_json(const std::string& function) {
-  static const std::map<std::string, Json (*)()> functions{{"simulate", options_of<stages::SimulateOptions>},
-                                                           {"synthesize", options_of<stages::SynthesizeOptions>},
-                                                           {"detect", options_of<stages::DetectOptions>},
-                                                           {"restitution", options_of<stages::RestitutionOptions>},
-                                                           {"fit", options_of<stages::FitOptions>},
-                                                           {"loop", options_of<stages::LoopOptions>},
-                                                           {"validate", options_of<stages::Scene>}};
+  static const std::map<std::string, Json (*)()> functions{
+      {"simulate", options_of<stages::SimulateOptions>}, {"synthesize", options_of<stages::SynthesizeOptions>},
+      {"detect", options_of<stages::DetectOptions>},     {"restitution", options_of<stages::RestitutionOptions>},
+      {"fit", options_of<stages::FitOptions>},           {"roughness", options_of<stages::RoughnessOptions>},
+      {"loop", options_of<stages::LoopOptions>},         {"validate", options_of<stages::Scene>}};
   const auto found = functions.find(function);
   if (found == functions.end()) throw InvalidArgument("no function '" + function + "'");
   return found->second().dump();

@@ -33,6 +33,22 @@ std::string fit(const py::dict& columns, const Arguments& arguments, const py::o
   return json;
 }
 
+/// @return what `bouncelab roughness --json` prints
+std::string roughness(const py::dict& columns, const Arguments& arguments, const py::object& progress) {
+  auto [options, run] = parse<stages::RoughnessOptions>(arguments);
+  RestitutionSamples samples = samples_of(columns);
+  name_ball(samples, stages::ball_of(options.world), stages::plate_of(options.world));
+  fit::RoughnessConfig config = options.config;
+  config.seed = run.common.seed;
+  config.n_threads = run.common.n_threads;
+  std::string json;
+  python::run(run, progress, [&] {
+    const fit::RoughnessResult result = fit::measure_roughness(samples, config);
+    json = json_text(report::object_of(result, report::notes_of(result, samples)), 1) + "\n";
+  });
+  return json;
+}
+
 /// @param recordings  of each (truth: columns, marks: columns, duration_s, processor_s)
 /// @return JSON {all, recordings}: the scores of all and of each
 std::string score_detector(const std::vector<std::tuple<py::dict, py::dict, double, double>>& recordings) {
@@ -116,6 +132,7 @@ void write_report(const std::string& path, const std::string& title, const std::
 
 void bind_fits(py::module_& m) {
   m.def("fit", &fit);
+  m.def("roughness", &roughness);
   m.def("loop", &loop);
   m.def("score_detector", &score_detector);
   m.def("restitution_of_law", &restitution_of_law);

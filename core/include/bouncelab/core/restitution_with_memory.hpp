@@ -17,7 +17,7 @@ namespace bouncelab {
 ///
 /// @param v_mps            normal approach speed, > 0 [m/s]
 /// @param eps              callable, eps(v) at the point of contact, in [0, 1], for v > 0 [m/s]
-/// @param q                of the grain, > 0: `roughness` of fit.json, or c s2 of docs/physics.md
+/// @param q                of the grain, > 0: `bouncelab roughness`, or c s2 of docs/physics.md
 /// @param z1               standard normal random number, as is z2; new ones at every impact
 /// @param reservoir_m2ps2  w of the grain, 0 for one released at rest; updated, stays >= 0 [m^2/s^2]
 /// @return eps~; may exceed 1, is > -1

@@ -101,6 +101,24 @@ Description members_of_roughness();
 /// @throws InvalidArgument where there are more than 5 orders
 MemoryFit fit_memory(const RestitutionSamples& samples, const LawFit& independent, const MemoryFitConfig& config);
 
+struct RoughnessConfig {
+  std::size_t n_goodness = 99;  ///< replicates of the Anderson-Darling test; 0: none
+  std::uint64_t seed = 1;       ///< of draws and replicates
+  int n_threads = 0;            ///< 0: all cores; the result does not depend on it
+};
+
+Description members_of(const RoughnessConfig*);
+
+struct RoughnessResult {
+  MemoryFit memory;                               ///< with the roughness, of the ball that the samples name
+  std::map<std::string, std::size_t> n_left_out;  ///< by reason
+};
+Description members_of(const RoughnessResult*);
+
+/// The roughness of a ball from how its coefficients of restitution scatter: fit_memory with the series A2, A4, A5, and
+/// q translated into surfaces. Samples with a flag, not finite or with v <= 0 are left out and counted.
+RoughnessResult measure_roughness(const RestitutionSamples& samples, const RoughnessConfig& config);
+
 /// Surfaces of that q where J = inertia_factor m R^2: q = c s2 with c = 1/(1 + inertia_factor) without slip and c =
 /// 1/inertia_factor without friction (docs/physics.md, 7); asperities as sim::contact_offset has them.
 /// @param inertia_factor  in (0, 1]

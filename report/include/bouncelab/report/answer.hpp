@@ -127,6 +127,8 @@ std::string in_words(const std::vector<Taken>& taken);
 
 /// What a user should know of a fit and of its samples, ordered.
 std::vector<Note> notes_of(const fit::FitResult& result, const RestitutionSamples& samples, fit::UseMemory memory);
+/// Of a measured roughness. @param samples  all that it was measured from
+std::vector<Note> notes_of(const fit::RoughnessResult& result, const RestitutionSamples& samples);
 /// Drops that have the bounces of others; absent where there are none (fit::repeated_drops).
 std::optional<Note> note_of_repeated_drops(const RestitutionSamples& used);
 
@@ -164,6 +166,8 @@ std::string in_words(const fit::Roughness& roughness);
 
 /// fit.json: the words, then everything of the fit.
 Object object_of(const fit::FitResult& result, const FitInWords& words);
+/// roughness.json
+Object object_of(const fit::RoughnessResult& result, const std::vector<Note>& notes);
 
 // What many recordings say together (fit/between_recordings.hpp).
 

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// `report --figures`: each figure of the page as SVG and PDF, drawn by a browser that may not be there.
+#include "program.hpp"
+
+namespace bouncelab::cli_test {
+namespace {
+
+class Figures : public ProgramTest {
+ protected:
+  void SetUp() override {
+    ASSERT_EQ(run("simulate --drops 3 --asperities 10000 --out i.csv --quiet").exit_code, 0);
+    ASSERT_EQ(run("restitution i.csv --air 0 --out s.csv --quiet").exit_code, 0);
+    run("fit s.csv --method asymmetric-laplace --goodness-replicates 0 --out fit.json --quiet");
+    ASSERT_TRUE(exists("fit.json"));
+  }
+  bool has_browser() const {
+    return shell("command -v chromium || command -v chromium-browser || command -v google-chrome").exit_code == 0;
+  }
+  /// Of the folder, without provenance.
+  std::vector<std::string> figures(const std::string& folder) const {
+    std::vector<std::string> names;
+    for (const auto& entry : fs::directory_iterator(folder_ / folder))
+      if (entry.path().extension() != ".json") names.push_back(entry.path().filename().string());
+    std::sort(names.begin(), names.end());
+    return names;
+  }
+};
+
+TEST_F(Figures, AreFilesOfTheirOwnTheSameEachTimeAndReplaceNothingUnasked) {
+  if (!has_browser()) GTEST_SKIP() << "no Chromium, no Chrome";
+  const Result result = run("report . --figures figures");
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_FALSE(exists("report.html"));  // in place of the page
+  const std::vector<std::string> names = figures("figures");
+  for (const char* name : {"law", "histograms", "slopes"})
+    for (const char* extension : {".svg", ".pdf"}) EXPECT_THAT(names, testing::Contains(std::string(name) + extension));
+  for (const std::string& name : names) {
+    const std::string content = content_of(folder_ / "figures" / name);
+    EXPECT_THAT(content, testing::StartsWith(name.ends_with(".svg") ? "<svg xmlns=" : "%PDF-")) << name;
+    EXPECT_TRUE(fs::exists(folder_ / "figures" / (name + ".meta.json"))) << name;
+  }
+  expect_one_line_error(run("report . --figures figures --quiet"), 3, {"figures/", "exists already", "--force"});
+  ASSERT_EQ(run("report . --figures again --out page.html --quiet").exit_code, 0);
+  EXPECT_TRUE(exists("page.html"));
+  for (const std::string& name : names)
+    if (name.ends_with(".svg")) {
+      EXPECT_EQ(content("again/" + name), content("figures/" + name)) << name;
+    }
+}
+
+TEST_F(Figures, WithoutABrowserAreRefusedInALineThatSaysWhatToInstall) {
+  expect_one_line_error(shell("PATH=/nowhere \"$B\" report . --figures figures"), 3, {"--figures", "Chromium"});
+  EXPECT_FALSE(exists("figures"));
+}
+
+TEST_F(Figures, OfABrowserThatFailsLeaveNothingBehind) {
+  fs::create_directory(folder_ / "bin");
+  write("bin/chromium", "#!/bin/sh\necho 'no display of any kind' >&2\nexit 1\n");
+  fs::permissions(folder_ / "bin" / "chromium", fs::perms::owner_all);
+  expect_one_line_error(shell("PATH=\"$PWD/bin:$PATH\" \"$B\" report . --figures figures"), 3,
+                        {"--figures", "chromium cannot draw the figures", "no display of any kind"});
+  // one that writes another page
+  write("bin/chromium", "#!/bin/sh\necho '<html></html>'\n");
+  expect_one_line_error(shell("PATH=\"$PWD/bin:$PATH\" \"$B\" report . --figures figures"), 3, {"list of figures"});
+  EXPECT_FALSE(exists("figures"));
+}
+
+}  // namespace
+}  // namespace bouncelab::cli_test
