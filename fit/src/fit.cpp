@@ -171,7 +171,6 @@ Prepared::Prepared(const RestitutionSamples& samples, const FitConfig& config)
 LawFitConfig main_law(const FitConfig& config, const std::optional<Curve>& curve) {
   LawFitConfig law = config.law;
   law.n_goodness = config.n_goodness;
-  law.compare_laws = true;
   if (law.node_speeds_mps.empty() && curve && curve->nodes.size() > 1)
     for (const CurveNode& node : curve->nodes) law.node_speeds_mps.push_back(node.v_mps);
   return law;
@@ -182,13 +181,7 @@ void describe_scatter(FitResult& result, const RestitutionSamples& kept, const P
                       const FitConfig& config) {
   result.histograms = fit_histograms(kept, config.histograms, result.law);
   if (prepared.used().size() > kMostShown) result.density = density_picture(prepared.shown());
-  BudgetConfig budget = budget_config_of(*prepared.part, config.budget);
-  const auto correct = [&](bool is_known, Effect& effect) {
-    if (is_known && effect == Effect::present) effect = Effect::corrected;
-  };
-  correct(prepared.curve && prepared.curve->known().has_drag, budget.drag);
-  correct(prepared.curve && prepared.curve->known().has_contact, budget.contact_time);
-  result.budget = error_budget(kept, result.law, budget);
+  result.budget = error_budget(kept, result.law, budget_config_of(*prepared.part, config.budget));
 }
 
 /// Are the samples of one ball? With the outliers of the pooled law: they may be all of one recording.

@@ -106,8 +106,8 @@ fit::BudgetConfig budget_config_of(const sim::SimulationConfig& simulation) {
   budget.ball = simulation.ball;
   budget.gravity_mps2 = simulation.gravity_mps2;
   if (simulation.air) budget.air = *simulation.air;
-  budget.drag = simulation.air ? fit::Effect::present : fit::Effect::absent;
-  budget.contact_time = budget.travel_time = fit::Effect::absent;
+  budget.has_drag = simulation.air.has_value();
+  budget.has_contact_time = budget.has_travel_time = false;
   return budget;
 }
 

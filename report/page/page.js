@@ -84,7 +84,6 @@ function tables() {
   curveTable();
   constantsTable();
   recordingsTable();
-  otherLaws();
   histogramTables();
   timingTable();
   budgetTable();

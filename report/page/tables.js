@@ -86,11 +86,6 @@ function recordingsTable() {
         (all.length > most ? ` The ${most} furthest off of ${all.length}; all are in fit.json.` : ''));
 }
 
-function otherLaws() {
-  foldedTable('Which law?', ['law', 'ΔAIC'], ((fit && fit.laws) || []).map(c => [c.name, number(c.delta_aic, 4)]),
-        'Same samples, same model of the scatter; differences to the best, smaller is better, 10 is decisive.');
-}
-
 function histogramTables() {
   const used = ((fit && fit.histograms) || []).filter(h => h.slope_rising && h.slope_ratio), p = of => of.pearson ? number(of.pearson.p_value, 3) : '–';
   foldedTable('p(ε) at fixed speed', ['window', 'n', 'below / above', 'peak ε', 'rising slope', 'falling slope', 'falling / rising (95%)', 'p'],

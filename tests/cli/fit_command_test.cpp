@@ -81,7 +81,6 @@ TEST_F(FitCommand, WhatIsAskedForIsInTheResult) {
   const Result result = fit(table(3000, 0.2, 1.4), "--table law.csv");
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_EQ(found()["goodness"]["anderson_darling"]["n_replicates"], 19);
-  EXPECT_GE(found()["laws"].size(), 4u);
   std::istringstream csv(content("law.csv"));
   std::string line;
   std::getline(csv, line);
@@ -91,10 +90,9 @@ TEST_F(FitCommand, WhatIsAskedForIsInTheResult) {
     EXPECT_DOUBLE_EQ(std::stod(line.substr(line.find(',') + 1)), point["eps"].number()) << line;
   }
   EXPECT_EQ(fit(table(2000, 0.2, 1.4), "--law-kind viscoelastic").exit_code, 0);
-  EXPECT_EQ(found()["laws"][0]["name"], "gamma");
+  EXPECT_GT(found()["misfit"]["ln_bayes_factor"].number(), 3.0);  // these bounces follow a series
   // of a constant that was asked for too few bounces are no reason
   const Result constant = fit(table(80, 0.3, 1.2), "--law-kind constant");
-  EXPECT_EQ(found()["laws"][0]["name"], "eps");
   for (const std::string& text : {constant.out, constant.err, found().dump()})
     EXPECT_THAT(text, testing::Not(testing::HasSubstr("too few bounces")));
 }

@@ -58,28 +58,5 @@ TEST(AndersonDarling, RejectsAScatterOfAnotherShape) {
   EXPECT_DOUBLE_EQ(fit.anderson_darling->p_value, 1.0 / 50.0);  // none of 49 replicates lies so far off
 }
 
-TEST(LawComparison, FindsTheLawThatWasPutIn) {
-  LawFitConfig config;
-  config.intervals = IntervalMethod::covariance;
-  config.compare_laws = true;
-  const auto series = fit_law(independent_samples({}, 20000, 0.2, 1.4, 0.0), config).comparison;
-  ASSERT_EQ(series.size(), 5u);
-  EXPECT_EQ(series[0].name, "A2, A4, A5");
-  for (const auto& c : series) {
-    if (c.name == "gamma" || c.name == "eps") {
-      EXPECT_GT(c.delta_aic, 100.0) << c.name;
-    }
-  }
-  // one parameter more gains chi2 of one degree: AIC of the longer series is above by 2 less that
-  EXPECT_LT(series[0].delta_aic, 8.0);
-  SyntheticRun run;
-  run.law = ViscoelasticLaw{0.02};
-  const auto one = fit_law(independent_samples(run, 20000, 0.2, 1.4, 0.0), config).comparison;
-  for (const auto& c : one) {
-    // the longest series has 3 parameters more, which gain chi2 of 3 degrees: once in 500 more than 6 + 9
-    if (c.name == "gamma") EXPECT_LT(c.delta_aic, 9.0);
-  }
-}
-
 }  // namespace
 }  // namespace bouncelab::fit

@@ -66,15 +66,15 @@ TEST(Slopes, HavePlacesWhosePriorsAddUpToOne) {
 TEST(Bases, PassThroughTheAnchorWithTheirDerivative) {
   for (const Base& base : bases()) {
     const double constant = base.constant_through(kAnchor, 0.85);
-    EXPECT_NEAR(base.at(kAnchor, kAnchor, 0.85, constant).first, 0.85, 1e-9) << base.name;
-    EXPECT_NEAR(base.at(kAnchor, kAnchor, 0.85, constant).second, 1.0, 1e-12) << base.name;
+    EXPECT_NEAR(base.at(kAnchor, kAnchor, 0.85, constant).first, 0.85, 1e-9);
+    EXPECT_NEAR(base.at(kAnchor, kAnchor, 0.85, constant).second, 1.0, 1e-12);
     for (const double x : {kLo, kHi}) {
       constexpr double kStep = 1e-5;
       const auto at = [&](double eps_0) {
         return base.at(x, kAnchor, eps_0, base.constant_through(kAnchor, eps_0)).first;
       };
       const double slope = (at(0.85 + kStep) - at(0.85 - kStep)) / (2.0 * kStep);
-      EXPECT_NEAR(base.at(x, kAnchor, 0.85, constant).second, slope, 1e-6) << base.name;  // of a search to 1e-11 or so
+      EXPECT_NEAR(base.at(x, kAnchor, 0.85, constant).second, slope, 1e-6);  // of a search to 1e-11 or so
     }
   }
 }

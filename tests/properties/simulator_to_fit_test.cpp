@@ -50,12 +50,9 @@ fit::FitResult analysed(const Disturbed& by, bool corrected) {
   fit::FitConfig fit;
   fit.law.node_speeds_mps = {0.25, 0.6, 1.2};
   fit.n_goodness = 0;
-  const auto effect = [&](bool there) {
-    return !there ? fit::Effect::absent : corrected ? fit::Effect::corrected : fit::Effect::present;
-  };
-  fit.budget.drag = effect(by.drag);
-  fit.budget.contact_time = effect(by.contact_time);
-  fit.budget.travel_time = fit::Effect::absent;
+  fit.budget.has_drag = by.drag;
+  fit.budget.has_contact_time = by.contact_time;
+  fit.budget.has_travel_time = false;
   return fit::fit_all(fit::restitution_samples(detected(by), config).samples, fit);
 }
 

@@ -175,7 +175,6 @@ RecordingFit row_of(const RestitutionSamples& samples, LawFitConfig config, cons
     if (node.v_mps >= row.v_lo_mps && node.v_mps <= row.v_hi_mps) config.node_speeds_mps.push_back(node.v_mps);
   if (config.node_speeds_mps.empty()) config.node_speeds_mps = {v[v.size() / 2]};
   config.n_goodness = 0;
-  config.compare_laws = false;
   if (is_one_of_many) {
     constexpr std::size_t kWidthKnown = 30;  // below, fit_law takes one term without a choice
     config.intervals = IntervalMethod::covariance;

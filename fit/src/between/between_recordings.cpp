@@ -281,15 +281,8 @@ void describe_rows(BetweenRecordings& result, const Design& design, const Judged
 }  // namespace
 
 const char* to_string(GroupEffect effect) {
-  switch (effect) {
-    case GroupEffect::none:
-      return "none";
-    case GroupEffect::fixed:
-      return "fixed";
-    case GroupEffect::random:
-      return "random";
-  }
-  return "unknown";
+  constexpr const char* kWords[]{"none", "fixed", "random"};
+  return kWords[static_cast<std::size_t>(effect)];
 }
 
 BetweenRecordings compare_campaign(const std::vector<CampaignRecording>& recordings) {

@@ -11,18 +11,6 @@
 
 namespace bouncelab::fit {
 
-const char* to_string(Effect effect) {
-  switch (effect) {
-    case Effect::absent:
-      return "absent";
-    case Effect::present:
-      return "not taken out";
-    case Effect::corrected:
-      return "taken out";
-  }
-  return "unknown";
-}
-
 namespace {
 
 /// Two neighbouring impacts of a drop.
@@ -161,10 +149,9 @@ BudgetRow budget_row(std::span<const BinMember> bin, const LawFit& law, const Bu
     row.spread_asperities = hypot(hypot(below, above), law.scatter->normal(row.v_mps));
     row.mean_minus_peak = law.scatter->mean_minus_peak(row.v_mps);
   }
-  row.shift_drag = config.drag != Effect::absent ? shift_by_drag(row.v_mps, eps, config) : 0.0;
-  row.shift_contact_time = config.contact_time != Effect::absent ? shift_by_contact_time(row.v_mps, eps, config) : 0.0;
-  if (config.travel_time == Effect::present)
-    row.spread_travel_time = eps * config.kick_per_speed * row.v_mps / config.wave_speed_mps;
+  row.shift_drag = config.has_drag ? shift_by_drag(row.v_mps, eps, config) : 0.0;
+  row.shift_contact_time = config.has_contact_time ? shift_by_contact_time(row.v_mps, eps, config) : 0.0;
+  if (config.has_travel_time) row.spread_travel_time = eps * config.kick_per_speed * row.v_mps / config.wave_speed_mps;
   add_shares(row);
   return row;
 }
@@ -204,10 +191,9 @@ void fit_width(ErrorBudget& budget) {
 BudgetConfig budget_config_of(const RestitutionSamples& samples, BudgetConfig base) {
   if (samples.empty()) return base;
   const SampleConditions& said = samples.front().conditions;
-  if (said.drag_corrected) base.drag = Effect::absent;
-  if (said.contact_time_corrected) base.contact_time = Effect::absent;
-  if (said.of_heights) base.contact_time = base.travel_time = Effect::absent;
-  if (said.travel_time_corrected && base.travel_time == Effect::present) base.travel_time = Effect::corrected;
+  base.has_drag = base.has_drag && !said.drag_corrected;
+  base.has_contact_time = base.has_contact_time && !said.contact_time_corrected && !said.of_heights;
+  base.has_travel_time = base.has_travel_time && !said.travel_time_corrected && !said.of_heights;
   base.wave_speed_mps = said.wave_speed_mps.value_or(base.wave_speed_mps);
   if (said.ball) base.ball = said.ball;
   if (said.plate) base.plate = said.plate;
@@ -219,8 +205,6 @@ ErrorBudget error_budget(const RestitutionSamples& samples, const LawFit& law, c
   ErrorBudget budget;
   budget.ball = config.ball;
   budget.plate = config.plate;
-  budget.effects = {
-      {"air drag", config.drag}, {"contact time", config.contact_time}, {"travel time", config.travel_time}};
   if (!law.law || samples.empty()) return budget;
   const std::vector<double> residuals = residuals_from(*law.law, samples);
   budget.timing = timing_noise(samples, residuals);

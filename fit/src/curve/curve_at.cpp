@@ -91,15 +91,13 @@ double Slopes::add_precision(const Place& place, double lost, Eigen::Ref<Eigen::
 const std::vector<Base>& bases() {
   constexpr auto none = [](double, double) { return 0.0; };
   static const std::vector<Base> all{
-      {"constant", [](double, double, double eps_0, double) { return std::pair(eps_0, 1.0); }, none},
-      {"viscoelastic",
-       [](double x, double anchor, double, double log_gamma) {
+      {[](double, double, double eps_0, double) { return std::pair(eps_0, 1.0); }, none},
+      {[](double x, double anchor, double, double log_gamma) {
          const auto at = [&](double x_here) { return viscoelastic_and_slope(exp(0.5 * log_gamma + 0.1 * x_here)); };
          return std::pair(at(x).first, at(x).second / at(anchor).second);
        },
        [](double anchor, double eps_0) { return log_gamma_through(exp(anchor), std::clamp(eps_0, 0.2, 0.995)); }},
-      {"yields",
-       [](double x, double anchor, double eps_0, double) {
+      {[](double x, double anchor, double eps_0, double) {
          const double ratio = exp(-0.25 * (x - anchor));
          return std::pair(eps_0 * ratio, ratio);
        },

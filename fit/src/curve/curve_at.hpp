@@ -54,7 +54,6 @@ class Slopes {
 /// A law of one constant about which the curve is taken, as a function of x = ln v: its value, and its derivative by
 /// eps_0, that at the anchor.
 struct Base {
-  const char* name;
   /// @return value and derivative by eps_0
   std::pair<double, double> (*at)(double x, double anchor, double eps_0, double constant);
   double (*constant_through)(double anchor, double eps_0);

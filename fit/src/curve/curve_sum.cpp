@@ -65,4 +65,13 @@ Estimate estimate_of(const std::vector<NormalPart>& parts, double lo, double hi)
   return e;
 }
 
+Estimate exp_of(const Estimate& ln) {
+  Estimate e;
+  e.value = exp(ln.value);
+  e.ci68 = Interval{exp(ln.ci68->lo), exp(ln.ci68->hi)};
+  e.ci95 = Interval{exp(ln.ci95->lo), exp(ln.ci95->hi)};
+  e.se = 0.5 * (e.ci68->hi - e.ci68->lo);
+  return e;
+}
+
 }  // namespace bouncelab::fit

@@ -33,6 +33,9 @@ struct NormalPart {
 /// @param lo, hi     between which the quantity lies: the normals are cut off there, unless all lie beyond
 Estimate estimate_of(const std::vector<NormalPart>& parts, double lo, double hi);
 
+/// Of what has this logarithm.
+Estimate exp_of(const Estimate& ln);
+
 /// Samples of impact 1 of nearly one speed. The flight before them was launched by impact 0, the first of the drop.
 struct FirstFlights {
   double v_mps = 0.0, eps = 0.0;  ///< of one of them, g T/2 and T'/T

@@ -316,6 +316,17 @@ Gram gram_of(const PlateSamples& samples, double x_middle, const Eigen::VectorXd
   return sum;
 }
 
+std::vector<double> met_in_steps(const std::vector<double>& weights, double n) {
+  double passed = 0.0, next = 0.5 / n;
+  std::vector<double> times;
+  for (const double weight : weights) {
+    passed += weight;
+    times.push_back(0.0);
+    for (; next < passed; next += 1.0 / n) times.back() += 1.0;
+  }
+  return times;
+}
+
 double ln_prior_of_s(double ln_s) { return -0.5 * square((ln_s - kLnSMiddle) / kLnSSd); }
 
 LikelyNoise with_likely_s(Noise noise, double step, std::size_t n,
@@ -383,19 +394,19 @@ std::vector<LikelyNoise> likely_noises(const LikelyNoise& first, const std::vect
       }
   std::erase_if(all, [&](const LikelyNoise& one) { return one.ln_evidence < best - kLikely; });
   // of very many those that are met at equal steps through all of their weights
-  constexpr std::size_t kMany = 64, kMet = 32;
+  constexpr std::size_t kMany = 64;
+  constexpr double kMet = 32.0;
   if (all.size() <= kMany) return all;
-  const auto weight = [&](const LikelyNoise& one) { return one.ln_s_sd * exp(one.ln_evidence - best); };
-  double total = 0.0, passed = 0.0, next = 0.5 / kMet;
-  for (const LikelyNoise& one : all) total += weight(one);
+  std::vector<double> weights;
+  double total = 0.0;
+  for (const LikelyNoise& one : all) total += one.ln_s_sd * exp(one.ln_evidence - best);
+  for (const LikelyNoise& one : all) weights.push_back(one.ln_s_sd * exp(one.ln_evidence - best) / total);
+  const std::vector<double> times = met_in_steps(weights, kMet);
   std::vector<LikelyNoise> met;
-  for (const LikelyNoise& one : all) {
-    passed += weight(one) / total;
-    double times = 0.0;
-    for (; next < passed; next += 1.0 / kMet) times += 1.0;
-    if (times == 0.0) continue;
-    met.push_back(one);
-    met.back().noise.ln_prior += log(times * total / (weight(one) * kMet));
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    if (times[k] == 0.0) continue;
+    met.push_back(all[k]);
+    met.back().noise.ln_prior += log(times[k] / (weights[k] * kMet));
   }
   return met;
 }

@@ -74,6 +74,9 @@ struct Gram {
 Gram gram_of(const PlateSamples& samples, double x_middle, const Eigen::VectorXd& inflation,
              const Eigen::MatrixXd& columns, const Noise& noise);
 
+/// How often each is met in n equal steps through all of the weights, whose sum is 1.
+std::vector<double> met_in_steps(const std::vector<double>& weights, double n);
+
 /// ln of the prior of s, without a constant.
 double ln_prior_of_s(double ln_s);
 

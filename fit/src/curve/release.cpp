@@ -35,19 +35,15 @@ double ln_release_height(const FirstFlights& flights, const OneAirAndContact& on
 void add_heights(const FirstFlights& flights, const Estimate& ln_height, std::vector<ReleaseHeight>& heights) {
   const double reach = 0.5 * (ln_height.ci95->hi - ln_height.ci95->lo);
   for (const RestitutionSample& s : flights.samples) {
-    const auto height = [&, ln_ratio = 2.0 * log(s.v_mps / flights.v_mps)](double ln_height_m) {
-      return exp(ln_height_m + ln_ratio);
-    };
     // the timing of the flight is an error apart
     const double timing = kNormal95 * 2.0 * s.sigma_v_mps.value_or(0.0) / s.v_mps;
     const double more = reach > 0.0 ? hypot(reach, timing) / reach : 1.0;
-    const auto end = [&](double ln_end) { return height(ln_height.value + more * (ln_end - ln_height.value)); };
-    Estimate e;
-    e.value = height(ln_height.value);
-    e.ci68 = Interval{end(ln_height.ci68->lo), end(ln_height.ci68->hi)};
-    e.ci95 = Interval{end(ln_height.ci95->lo), end(ln_height.ci95->hi)};
-    e.se = 0.5 * (e.ci68->hi - e.ci68->lo);
-    heights.push_back({s.recording, s.drop, e});
+    Estimate ln = ln_height;
+    ln.value += 2.0 * log(s.v_mps / flights.v_mps);
+    for (std::optional<Interval>* interval : {&ln.ci68, &ln.ci95})
+      *interval = Interval{ln.value + more * ((*interval)->lo - ln_height.value),
+                           ln.value + more * ((*interval)->hi - ln_height.value)};
+    heights.push_back({s.recording, s.drop, exp_of(ln)});
   }
 }
 
@@ -142,11 +138,7 @@ void SmoothCurve::describe_rebound(const Sum& sum, const std::optional<Ball>& ba
     part.mean += of_places[term.curve].parts.front().second * (hypot(mean, std::sqrt(one)) - mean);
   };
   const auto quantity_of = [&](const Term& term) -> const Quantity& { return of_places[term.curve]; };
-  const Estimate ln = stated(parts_of(sum.terms, quantity_of, root_mean_square), sum.balls, -50.0, 50.0);
-  rebound.height_m.value = exp(ln.value);
-  rebound.height_m.ci68 = Interval{exp(ln.ci68->lo), exp(ln.ci68->hi)};
-  rebound.height_m.ci95 = Interval{exp(ln.ci95->lo), exp(ln.ci95->hi)};
-  rebound.height_m.se = 0.5 * (rebound.height_m.ci68->hi - rebound.height_m.ci68->lo);
+  rebound.height_m = exp_of(stated(parts_of(sum.terms, quantity_of, root_mean_square), sum.balls, -50.0, 50.0));
 }
 
 }  // namespace bouncelab::fit

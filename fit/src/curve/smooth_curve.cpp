@@ -4,6 +4,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <tuple>
 #include <utility>
@@ -125,24 +126,21 @@ SmoothCurve::Sum SmoothCurve::summed() const {
   const auto matters = [&](std::size_t i, std::size_t k) { return found[i][k].weight > best - kNothing; };
   parallel_for(found.size() - sum.noises.size(), 0,
                [&](std::size_t k) { find(1 + k / sum.noises.size(), k % sum.noises.size(), matters); });
+  std::vector<Term> all;
+  for (std::vector<Term>& some : found) std::move(some.begin(), some.end(), std::back_inserter(all));
   double most = -HUGE_VAL, total = 0.0;
-  for (const std::vector<Term>& some : found)
-    for (const Term& term : some) {
-      most = std::max(most, term.weight);
-      if (term.curve == 0 && term.weight > sum.best.weight) sum.best = term;
-    }
-  for (std::vector<Term>& some : found)
-    for (Term& term : some) total += term.weight = exp(term.weight - most);
+  for (const Term& term : all) {
+    most = std::max(most, term.weight);
+    if (term.curve == 0 && term.weight > sum.best.weight) sum.best = term;
+  }
+  std::vector<double> weights;
+  for (const Term& term : all) total += weights.emplace_back(exp(term.weight - most));
+  for (double& weight : weights) weight /= total;
   // of thousands those that are met at equal steps through all of their weights
   constexpr double kTerms = 800.0;
-  double passed = 0.0, next = 0.5 / kTerms;
-  for (const std::vector<Term>& some : found)
-    for (const Term& term : some) {
-      passed += term.weight / total;
-      double met = 0.0;
-      for (; next < passed; next += 1.0 / kTerms) met += 1.0;
-      if (met > 0.0) sum.terms.push_back(term), sum.terms.back().weight = met / kTerms;
-    }
+  const std::vector<double> times = met_in_steps(weights, kTerms);
+  for (std::size_t k = 0; k < all.size(); ++k)
+    if (times[k] > 0.0) sum.terms.push_back(all[k]), sum.terms.back().weight = times[k] / kTerms;
   return sum;
 }
 
@@ -334,14 +332,6 @@ void SmoothCurve::describe_deviation(const Sum& sum) {
     m.variance += m.within;
     return m;
   };
-  const auto log_normal = [](double ln_median, double sd) {
-    Estimate e;
-    e.value = exp(ln_median);
-    e.ci68 = Interval{exp(ln_median - sd), exp(ln_median + sd)};
-    e.ci95 = Interval{exp(ln_median - kNormal95 * sd), exp(ln_median + kNormal95 * sd)};
-    e.se = 0.5 * (e.ci68->hi - e.ci68->lo);
-    return e;
-  };
   std::vector<double> variances;
   /// @param deviation  at the likeliest place, where it has one
   const auto take = [&](Eigen::Index of, auto has, double ln_known, double prior_sd, std::optional<Estimate>& estimate,
@@ -350,7 +340,7 @@ void SmoothCurve::describe_deviation(const Sum& sum) {
                      [&](const Term& term) { return has(places_[term.curve].known()); }))
       return;
     const Moments m = moments(of, has);
-    estimate = log_normal(m.mean, std::sqrt(m.variance));
+    estimate = exp_of(normal_estimate(m.mean, std::sqrt(m.variance)));
     share = std::min(1.0, square(m.with_eps) / (m.variance * variance));
     if (!has(best)) return;
     // where the samples say next to nothing of it they contradict nothing

@@ -276,31 +276,13 @@ std::optional<JackknifeErrors> errors_by_sample(const LawLikelihood& likelihood,
 }
 
 const char* to_string(FitStatus status) {
-  switch (status) {
-    case FitStatus::ok:
-      return "ok";
-    case FitStatus::not_identifiable:
-      return "not_identifiable";
-    case FitStatus::not_applicable:
-      return "not_applicable";
-    case FitStatus::not_converged:
-      return "not_converged";
-    case FitStatus::too_few_samples:
-      return "too_few_samples";
-  }
-  return "unknown";
+  constexpr const char* kWords[]{"ok", "not_identifiable", "not_applicable", "not_converged", "too_few_samples"};
+  return kWords[static_cast<std::size_t>(status)];
 }
 
 const char* to_string(ErrorBasis basis) {
-  switch (basis) {
-    case ErrorBasis::independent_samples:
-      return "independent_samples";
-    case ErrorBasis::by_sample:
-      return "by_sample";
-    case ErrorBasis::by_drop:
-      return "by_drop";
-  }
-  return "unknown";
+  constexpr const char* kWords[]{"independent_samples", "by_sample", "by_drop"};
+  return kWords[static_cast<std::size_t>(basis)];
 }
 
 Estimate normal_estimate(double value, double se, double reach68, double reach95) {

@@ -43,51 +43,11 @@ LawFitConfig for_these(LawFitConfig config, const LawData& data, std::vector<Not
   return config;
 }
 
-std::vector<std::pair<LawKind, std::vector<int>>> laws_to_compare(const LawFitConfig& config) {
-  std::vector<std::pair<LawKind, std::vector<int>>> laws{{config.kind, config.orders}};
-  for (const auto& orders : std::vector<std::vector<int>>{{2, 4, 5}, {2, 4}, {2, 4, 5, 6}})
-    if (config.kind != LawKind::series || orders != config.orders) laws.push_back({LawKind::series, orders});
-  for (const LawKind kind : {LawKind::viscoelastic, LawKind::constant})
-    if (kind != config.kind) laws.push_back({kind, {}});
-  return laws;
-}
-
-/// Other laws on the samples as the main fit left them: without its outliers, timing errors widened as for it.
-std::vector<LawComparison> comparison(const Candidate& main, const LawFitConfig& config) {
-  std::vector<LawComparison> results;
-  for (const auto& [kind, orders] : laws_to_compare(config)) {
-    const LawModel model = make_law_model(kind, orders, main.data.v_mps);
-    const LawLikelihood likelihood(main.data, model, main.family);
-    Maximum maximum = main.maximum;
-    if (!results.empty()) {
-      const Eigen::VectorXd start = start_values(main.data, model, main.family);
-      if (start.size() == 0) continue;
-      maximum = find_maximum(likelihood, start);
-      if (!maximum.converged) continue;
-    }
-    LawComparison c;
-    for (const std::string& name : model.names()) c.name += (c.name.empty() ? "" : ", ") + name;
-    c.delta_aic = 2.0 * static_cast<double>(likelihood.n_parameters()) - 2.0 * maximum.loglik;
-    results.push_back(std::move(c));
-  }
-  double least = HUGE_VAL;
-  for (const LawComparison& c : results) least = std::min(least, c.delta_aic);
-  for (LawComparison& c : results) c.delta_aic -= least;
-  return results;
-}
-
 }  // namespace
 
 const char* to_string(LawKind kind) {
-  switch (kind) {
-    case LawKind::series:
-      return "series";
-    case LawKind::viscoelastic:
-      return "viscoelastic";
-    case LawKind::constant:
-      return "constant";
-  }
-  return "unknown";
+  constexpr const char* kWords[]{"series", "viscoelastic", "constant"};
+  return kWords[static_cast<std::size_t>(kind)];
 }
 
 namespace {
@@ -132,7 +92,6 @@ LawFit fitted_law(const RestitutionSamples& samples, const OrderedSamples& order
   constexpr std::size_t kFewestOfGoodness = 100;  // of fewer the test sees no scatter but one that is grossly another
   if (config.n_goodness > 0 && fit.n >= kFewestOfGoodness)
     fit.anderson_darling = anderson_darling_test(likelihood, candidate->maximum, config.n_goodness, config.seed);
-  if (config.compare_laws) fit.comparison = comparison(*candidate, config);
   return fit;
 }
 

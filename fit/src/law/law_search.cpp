@@ -180,8 +180,8 @@ std::optional<LawData> some_of(const LawData& data) {
   return stride < 4 ? std::nullopt : std::optional(thinned(data, stride));
 }
 
-}  // namespace
-
+/// By a search from `start`; of very many samples from the maximum of every n-th of them, which takes a fraction of a
+/// pass over all.
 Maximum find_maximum(const LawLikelihood& likelihood, Eigen::VectorXd start) {
   if (const std::optional<LawData> some = some_of(likelihood.data()))
     start = find_maximum(LawLikelihood(*some, likelihood.model(), likelihood.scatter()), std::move(start)).x;
@@ -190,8 +190,6 @@ Maximum find_maximum(const LawLikelihood& likelihood, Eigen::VectorXd start) {
   // the metric of a poor start may be poor: once more from where it led
   return maximum.converged ? maximum : maximise(function, maximum.x, likelihood.information(maximum.x));
 }
-
-namespace {
 
 /// @param start  the timing errors are widened by its scales
 /// @param near   where the search begins

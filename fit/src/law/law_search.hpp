@@ -41,10 +41,6 @@ struct Candidate {
   double bic = HUGE_VAL;
 };
 
-/// The maximum by a search from `start`; of very many samples from the maximum of every n-th of them, which takes a
-/// fraction of a pass over all.
-Maximum find_maximum(const LawLikelihood& likelihood, Eigen::VectorXd start);
-
 /// By BIC how the widths go with speed, and from 1000 samples on whether there is a normal part beside the
 /// exponentials. Fewer may hide one, and without it the peak would be too sure of itself; of two pure exponentials it
 /// takes the information on the kink. One smaller than the exponentials is left out too: a rough ball's density is a

@@ -2,8 +2,6 @@
 #include "memory/memory_likelihood.hpp"
 
 #include <cmath>
-#include <tuple>
-#include <utility>
 
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/parallel.hpp"
@@ -21,9 +19,7 @@ std::vector<double> speeds_of(const Chain& chain, double factor) {
   return v;
 }
 
-/// Rows d eps / d q and d (d eps / d v) / d q at a chain's impacts, a column an impact.
-std::pair<Eigen::MatrixXd, Eigen::MatrixXd> rows_of(const Chain& chain, const LawModel& model,
-                                                    const Eigen::VectorXd& q) {
+LawRows rows_of(const Chain& chain, const LawModel& model, const Eigen::VectorXd& q) {
   const std::vector<double> v = speeds_of(chain, 1.0), up = speeds_of(chain, 1.0 + kStep),
                             down = speeds_of(chain, 1.0 - kStep);
   Eigen::MatrixXd slope = (model.jacobian(up, q) - model.jacobian(down, q)).transpose();
@@ -36,42 +32,22 @@ std::pair<Eigen::MatrixXd, Eigen::MatrixXd> rows_of(const Chain& chain, const La
 MemoryLikelihood::MemoryLikelihood(const Chains& chains, const LawModel& model)
     : chains_(chains), model_(model), n_law_(model.n_parameters()) {
   if (!model.is_linear()) return;
-  const Eigen::VectorXd anywhere = Eigen::VectorXd::Ones(n_law_);
-  for (const Chain& chain : chains.chains) {
-    LawRows rows;
-    std::tie(rows.eps_row, rows.slope_row) = rows_of(chain, model, anywhere);
-    linear_.push_back(std::move(rows));
-  }
-}
-
-MemoryLikelihood::LawRows MemoryLikelihood::law_rows(std::size_t chain, const Eigen::VectorXd& theta) const {
-  const Eigen::VectorXd q = theta.head(n_law_);
-  const Chain& c = chains_.chains[chain];
-  LawRows rows;
-  if (model_.is_linear()) {
-    rows = linear_[chain];
-    rows.eps = ((q.array() - 1.0).matrix().transpose() * rows.eps_row).array() + 1.0;
-    rows.slope = (q.array() - 1.0).matrix().transpose() * rows.slope_row;
-    return rows;
-  }
-  std::tie(rows.eps_row, rows.slope_row) = rows_of(c, model_, q);
-  rows.eps = model_.eps(speeds_of(c, 1.0), q).transpose();
-  rows.slope = (model_.eps(speeds_of(c, 1.0 + kStep), q) - model_.eps(speeds_of(c, 1.0 - kStep), q)).transpose();
-  for (Eigen::Index k = 0; k < rows.slope.size(); ++k)
-    rows.slope[k] /= 2.0 * kStep * c.impacts[static_cast<std::size_t>(k)].v_mps;
-  return rows;
+  for (const Chain& chain : chains.chains) linear_.push_back(rows_of(chain, model, Eigen::VectorXd::Ones(n_law_)));
 }
 
 std::vector<LawAt<double>> MemoryLikelihood::law_values(std::size_t chain, const Eigen::VectorXd& theta) const {
+  const Chain& c = chains_.chains[chain];
+  const Eigen::VectorXd q = theta.head(n_law_);
   Eigen::RowVectorXd eps, slope;
   if (model_.is_linear()) {
-    const Eigen::RowVectorXd q = (theta.head(n_law_).array() - 1.0).matrix().transpose();
-    eps = (q * linear_[chain].eps_row).array() + 1.0;
-    slope = q * linear_[chain].slope_row;
+    const Eigen::RowVectorXd lost = (q.array() - 1.0).matrix().transpose();
+    eps = (lost * linear_[chain].eps).array() + 1.0;
+    slope = lost * linear_[chain].slope;
   } else {
-    LawRows rows = law_rows(chain, theta);
-    eps = std::move(rows.eps);
-    slope = std::move(rows.slope);
+    eps = model_.eps(speeds_of(c, 1.0), q).transpose();
+    slope = (model_.eps(speeds_of(c, 1.0 + kStep), q) - model_.eps(speeds_of(c, 1.0 - kStep), q)).transpose();
+    for (Eigen::Index k = 0; k < slope.size(); ++k)
+      slope[k] /= 2.0 * kStep * c.impacts[static_cast<std::size_t>(k)].v_mps;
   }
   std::vector<LawAt<double>> law;
   for (Eigen::Index k = 0; k < eps.size(); ++k) law.push_back({eps[k], slope[k]});
@@ -96,16 +72,15 @@ void MemoryLikelihood::plan_at(const Eigen::VectorXd& theta) {
 
 void MemoryLikelihood::score(std::size_t chain, const Eigen::VectorXd& theta, double& loglik, Eigen::VectorXd* gradient,
                              Eigen::MatrixXd* by_impact) const {
-  const LawRows rows = law_rows(chain, theta);
-  std::vector<LawAt<Jet>> law(static_cast<std::size_t>(rows.eps.size()));
-  for (std::size_t k = 0; k < law.size(); ++k) {
-    const auto i = static_cast<Eigen::Index>(k);
-    law[k].eps = Jet(rows.eps[i]);
-    law[k].slope = Jet(rows.slope[i]);
-    for (int j = 0; j < n_law_; ++j) {
-      law[k].eps.v[j] = rows.eps_row(j, i);
-      law[k].slope.v[j] = rows.slope_row(j, i);
-    }
+  LawRows own;
+  if (!model_.is_linear()) own = rows_of(chains_.chains[chain], model_, theta.head(n_law_));
+  const LawRows& rows = model_.is_linear() ? linear_[chain] : own;
+  std::vector<LawAt<Jet>> law;
+  for (const LawAt<double>& at : law_values(chain, theta)) {
+    const Eigen::Index i = std::ssize(law);
+    law.push_back({Jet(at.eps), Jet(at.slope)});
+    law.back().eps.v.head(n_law_) = rows.eps.col(i);
+    law.back().slope.v.head(n_law_) = rows.slope.col(i);
   }
   const MemoryParameters<double> values = parameters(theta);
   const int n = static_cast<int>(n_law_);

@@ -11,6 +11,11 @@
 
 namespace bouncelab::fit {
 
+/// d eps / d q and d (d eps / d v) / d q at a chain's impacts, a column an impact.
+struct LawRows {
+  Eigen::MatrixXd eps, slope;
+};
+
 /// Log-likelihood of all chains: theta = (law's coordinates, log q, keep, log M, slip). M is the mean of the reservoir
 /// before the first impact of the chain that begins earliest in its drop [m^2/s^2]: what the release left and what the
 /// impacts before that one added, which needs not be known apart. It is free whether or not the release was clean.
@@ -53,10 +58,6 @@ class MemoryLikelihood {
   const LawModel& model() const { return model_; }
 
  private:
-  struct LawRows {
-    Eigen::RowVectorXd eps, slope;       ///< an entry an impact
-    Eigen::MatrixXd eps_row, slope_row;  ///< a column an impact
-  };
   template <class T>
   ChainFilter<T> filter(std::size_t chain, const MemoryParameters<T>& parameters) const {
     return {chains_.chains[chain], chains_.height_sd_m(parameters.q), parameters};
@@ -66,7 +67,6 @@ class MemoryLikelihood {
              Eigen::MatrixXd* by_impact) const;
   Eigen::VectorXd gradient_by_first(const Eigen::VectorXd& theta) const;
   double rest_over_first_squared(const Eigen::VectorXd& theta) const;
-  LawRows law_rows(std::size_t chain, const Eigen::VectorXd& theta) const;
   std::vector<LawAt<double>> law_values(std::size_t chain, const Eigen::VectorXd& theta) const;
 
   const Chains& chains_;

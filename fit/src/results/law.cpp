@@ -101,13 +101,6 @@ Description members_of(const ResidualBin*) {
   return all;
 }
 
-Description members_of(const LawComparison*) {
-  using C = LawComparison;
-  static constexpr Member all[]{member<&C::name>("name", "The law's constants"),
-                                member<&C::delta_aic>("delta_aic", "AIC less the least of the list")};
-  return all;
-}
-
 Description members_of(const DemExport*) {
   using D = DemExport;
   static constexpr Member all[]{
@@ -294,9 +287,6 @@ Description members_of(const FitResult*) {
       member<&F::constants>("constants", "Constants of the law as they are stated, see below"),
       member<&F::law, &LawFit::misfit>(
           "misfit", "`null`, or how the law compares with the smooth curve: `{ln_bayes_factor, v_mps, off}`"),
-      member<&F::law, &LawFit::comparison>("laws",
-                                           "`[{name, delta_aic}]`, the law itself first: other laws of the same "
-                                           "samples, AIC less the least of the list"),
       member<&F::law, &LawFit::drops>("drops", "Their number, and what `se` and intervals of constants rest on"),
       member<&F::law, &LawFit::scatter>("scatter", "Of the samples about the peak, see below"),
       member<goodness_of>(

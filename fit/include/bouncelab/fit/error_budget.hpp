@@ -2,8 +2,6 @@
 #pragma once
 
 #include <optional>
-#include <string>
-#include <utility>
 #include <vector>
 
 #include "bouncelab/core/ball.hpp"
@@ -35,15 +33,6 @@ struct TimingNoise {
 };
 Description members_of(const TimingNoise*);
 
-/// Is a disturbance in the samples?
-enum class Effect {
-  absent,     ///< there was none: a simulation without it
-  present,    ///< not taken out
-  corrected,  ///< taken out of the samples
-};
-/// "absent", "not taken out", "taken out".
-const char* to_string(Effect effect);
-
 /// Where the scatter of eps and the shifts of eps(v) come from, in a bin of speeds. Spreads are standard deviations.
 struct BudgetRow {
   double v_mps = 0.0;
@@ -68,19 +57,19 @@ struct ErrorBudget {
   std::optional<Estimate> width_exponent;  ///< k of spread ~ v^k; -1 in the paper
   std::vector<CurvePoint> width_law;       ///< that power law at the first and the last row
   std::vector<BudgetRow> rows;
-  std::vector<std::pair<std::string, Effect>> effects;
   std::optional<Ball> ball;       ///< that the shifts were computed for
   std::optional<Material> plate;  ///< likewise
 };
 Description members_of(const ErrorBudget*);
 
-/// What the shifts are computed for. Defaults: a recording of an unknown ball, nothing corrected for.
+/// What the shifts are computed for. Defaults: a recording of an unknown ball.
 struct BudgetConfig {
   std::optional<Ball> ball;
   std::optional<Material> plate;
   Air air;
   double gravity_mps2 = kDefaultGravity_mps2;
-  Effect drag = Effect::present, contact_time = Effect::present, travel_time = Effect::present;
+  bool has_drag = true, has_contact_time = true;  ///< taken out of the samples or not; false: there was none
+  bool has_travel_time = true;                    ///< not taken out
   /// An impact changes the ball's speed along the line to the sensor by a random kick, which changes the travel time of
   /// all later sound: d eps = eps kick / wave speed. Its rms per speed of impact; default: that of the simulated ball
   /// of the paper (uniform radii, found .0105 to .0112 from 0.2 to 1.4 m/s).
@@ -88,9 +77,8 @@ struct BudgetConfig {
   double wave_speed_mps = 2500.0;  ///< in the plate; 343 for a microphone
 };
 
-/// `base` with what the samples say of themselves: drag and contact time that their intervals do not hold are absent,
-/// travel time that was taken out is corrected, and ball, gravity and wave speed are theirs where they are known. All
-/// must say the same: the first one's are taken.
+/// `base` with what the samples say of themselves: what their intervals do not hold there is not, and ball, gravity and
+/// wave speed are theirs where they are known. All must say the same: the first one's are taken.
 BudgetConfig budget_config_of(const RestitutionSamples& samples, BudgetConfig base);
 
 /// @param samples  that were fitted; t_s is needed for the timing noise only

@@ -31,7 +31,6 @@ struct LawFitConfig {
   /// BIC (AIC takes 6 too often: at 20,000 samples under noise 95 % intervals of A then cover 92.5 %).
   std::size_t n_scatter_terms = 0;
   std::size_t n_goodness = 0;  ///< replicates of the Anderson-Darling test, from 100 samples on; 0: none
-  bool compare_laws = false;   ///< fill LawFit::comparison
   std::uint64_t seed = 1;      ///< of the replicates
   /// Speeds at which eps(v) is reported [m/s]; empty: below which 10, 50 and 90 % of the speeds lie.
   std::vector<double> node_speeds_mps;
@@ -77,13 +76,6 @@ struct AndersonDarling {
 };
 Description members_of(const AndersonDarling*);
 
-/// Another law on the same samples with the same family of scatter.
-struct LawComparison {
-  std::string name;        ///< "A2, A4, A5", "gamma", "eps"
-  double delta_aic = 0.0;  ///< AIC above the least of the list
-};
-Description members_of(const LawComparison*);
-
 struct LawFit {
   FitStatus status = FitStatus::too_few_samples;
   std::optional<Note> why;  ///< of the status; absent where all is well
@@ -102,8 +94,7 @@ struct LawFit {
   std::optional<ChiSquareTest> pearson;  ///< of the probability transforms; absent below five degrees of freedom
   std::vector<ResidualBin> residuals;
   std::optional<AndersonDarling> anderson_darling;
-  std::vector<LawComparison> comparison;  ///< the law itself first
-  std::vector<Note> notes;                ///< what was asked for and could not be had
+  std::vector<Note> notes;  ///< what was asked for and could not be had
   /// Beside the smooth curve (fit_all), where it describes the mean of eps or the peak of the scatter.
   std::optional<LawMisfit> misfit;
   std::optional<RestitutionLaw> law;  ///< usable wherever a law is wanted; absent where the fit failed
