@@ -93,19 +93,7 @@ Description members_of(const DropsSeen*) {
           "drop_heights_m",
           "Least and greatest height, where drops of different heights are among them: the median then lies "
           "outside of the interval of one of them; else `null`"),
-      member<&D::n_heights>("n_heights", "Drops with a height"),
-      member<&D::balls_at_once>(
-          "balls_at_once",
-          "`[{recording, drop, eps}]`: balls that bounce at the same time, of the first recording "
-          "in which there are any; ε: mean of the bounces")};
-  return all;
-}
-
-Description members_of(const BallAtOnce*) {
-  using B = BallAtOnce;
-  static constexpr Member all[]{member<&B::recording>("recording", "As it was given"),
-                                member<&B::drop>("drop", "Its drop"),
-                                member<&B::eps>("eps", "An estimate: mean and standard error of its bounces")};
+      member<&D::n_heights>("n_heights", "Drops with a height")};
   return all;
 }
 

@@ -126,31 +126,6 @@ void add_heights(const std::map<Name, Drop>& drops, const std::vector<ReleaseHei
   if (!lo_m.empty()) seen.drop_height_ci95_m = Interval{median(std::move(lo_m)), median(std::move(hi_m))};
 }
 
-/// Mean of the bounces of a drop and its standard error by their scatter.
-Estimate mean_eps(const Drop& drop) {
-  const auto n = static_cast<double>(drop.size());
-  Estimate mean;
-  for (const RestitutionSample* s : drop) mean.value += s->eps / n;
-  double squares = 0.0;
-  for (const RestitutionSample* s : drop) squares += square(s->eps - mean.value);
-  if (n > 1.0) mean.se = std::sqrt(squares / (n * (n - 1.0)));
-  return mean;
-}
-
-/// The drops of the first recording in which several overlap in time, as many as do.
-std::vector<BallAtOnce> balls_at_once(const std::map<Name, Drop>& drops) {
-  std::vector<BallAtOnce> balls;
-  for (const auto& [name, drop] : drops) {
-    if (!balls.empty() && balls.front().recording != name.first) break;
-    const bool is_at_once = std::any_of(drops.begin(), drops.end(), [&](const auto& other) {
-      return other.first.first == name.first && other.first.second != name.second &&
-             other.second.front()->t_s < drop.back()->t_s && drop.front()->t_s < other.second.back()->t_s;
-    });
-    if (is_at_once) balls.push_back({name.first, name.second, mean_eps(drop)});
-  }
-  return balls;
-}
-
 }  // namespace
 
 DropsSeen drops_seen(const RestitutionSamples& samples, const std::vector<ReleaseHeight>& heights) {
@@ -166,7 +141,6 @@ DropsSeen drops_seen(const RestitutionSamples& samples, const std::vector<Releas
     *seen.duration_s += end_s(drop) - begin_s(drop);
   }
   add_heights(drops, heights, seen);
-  seen.balls_at_once = balls_at_once(drops);
   return seen;
 }
 

@@ -48,6 +48,8 @@ constexpr Wording kWordings[]{
     {Kind::doubtful_drops, warning,
      "{0} of {1} drops {0|is|are} doubtful (a bouncing ball is less than {2} times as likely as another sound): "
      "{s}; {0|it is|they are} used, listen there"},
+    {Kind::balls_at_once, warning,
+     "{0} balls bounce at the same time from {1:.1f} s on, each a drop of its own: in the median {s}"},
     {Kind::other_ball, warning,
      "{s}; the samples keep the corrections for their own ball; compute the samples again with the new ball"},
     {Kind::mixed_conditions, warning,

@@ -329,23 +329,10 @@ std::string in_words(const Recordings& recordings) {
               : " if all impacts are independent; too few drops to know whether they are)");
 }
 
-/// "2 balls at once: ε = 0.77 ± 0.01 and 0.87 ± 0.02, on the mean of their bounces (drops 0 and 1)."
-std::string of_balls_at_once(const std::vector<BallAtOnce>& balls) {
-  std::string values, numbers;
-  for (std::size_t b = 0; b < balls.size(); ++b) {
-    const std::string_view between = b == 0 ? "" : b + 1 == balls.size() ? " and " : ", ";
-    values += std::string(between) + with_interval(balls[b].eps);
-    numbers += std::string(between) + std::to_string(balls[b].drop);
-  }
-  return std::to_string(balls.size()) + " balls at once: ε = " + values + ", on the mean of their bounces (drops " +
-         numbers + ").";
-}
-
 PlainAnswer plain_answer(const FitResult& result, const RestitutionSamples& samples) {
   PlainAnswer answer;
   answer.seen = drops_seen(samples, heights_of(result));
   answer.recordings = answers_by_recording(result, samples);
-  const std::vector<BallAtOnce>& at_once = answer.seen.balls_at_once;
   const bool is_fitted = result.curve.has_value();
   if (is_fitted && result.is_one_ball) {
     const Curve& curve = *result.curve;
@@ -368,13 +355,12 @@ PlainAnswer plain_answer(const FitResult& result, const RestitutionSamples& samp
       answer.sentences.push_back(percent_lost(*answer.at) +
                                  " % of the energy of its motion up and down is lost in each bounce at that speed.");
     if (curve.rebound) answer.sentences.push_back(of_rebound(*curve.rebound));
-    if (!at_once.empty()) answer.sentences.push_back(of_balls_at_once(at_once));
     if (std::string other = contradicted(curve); !other.empty()) answer.sentences.push_back(std::move(other));
   } else {
     answer.sentences.push_back(
         !is_fitted ? of_missing(result, samples)
         : result.kinds_of_drops && !disagree(result.recordings)
-            ? (at_once.empty() ? as_sentence(note_of(*result.kinds_of_drops)) : of_balls_at_once(at_once)) +
+            ? as_sentence(note_of(*result.kinds_of_drops)) +
                   " Take them apart: one value for all would belong to no ball (--pool makes one)."
             : of_range(result.recordings));
   }

@@ -378,7 +378,7 @@ TEST_F(ForeignFiles, SoundOfNoBallOrOfTwoIsDescribedAsItIs) {
   both.resize(std::max(both.size(), other.size() + kLater));
   for (std::size_t k = 0; k < other.size(); ++k) both[k + kLater] += 0.5F * other[k];
   write("two.wav", float_wav(both, 44100));
-  EXPECT_THAT(run("analyze two.wav --out t").out, HasSubstr("2 balls at once: ε = 0."));
+  EXPECT_THAT(run("detect two.wav --out o.csv").err, HasSubstr("2 balls bounce at the same time from 0."));
 }
 
 }  // namespace

@@ -87,6 +87,42 @@ std::int64_t count_flag(const Onsets& onsets, Flag flag) {
   return std::count_if(onsets.begin(), onsets.end(), [&](const Onset& onset) { return onset.flags.has(flag); });
 }
 
+struct OneOfSeveral {
+  std::int64_t drop = 0;
+  double begin_s = 0.0, end_s = 0.0;
+  std::vector<double> eps;  ///< of impacts whose neighbours were found
+};
+
+/// The drops of the first balls that bounce at the same time, if any do.
+std::optional<Note> balls_at_once(const Onsets& onsets) {
+  std::vector<OneOfSeveral> drops;
+  for (std::size_t k = 0; k < onsets.size(); ++k) {
+    const Onset& onset = onsets[k];
+    if (drops.empty() || drops.back().drop != onset.drop) drops.push_back({onset.drop, onset.t_s, 0.0, {}});
+    drops.back().end_s = onset.t_s;
+    if (k + 1 < onsets.size() && onset.t_s > drops.back().begin_s && onsets[k + 1].drop == onset.drop &&
+        onsets[k + 1].impact - onsets[k - 1].impact == 2)
+      drops.back().eps.push_back((onsets[k + 1].t_s - onset.t_s) / (onset.t_s - onsets[k - 1].t_s));
+  }
+  const auto is_at_once = [](const OneOfSeveral& a, const OneOfSeveral& b) {
+    return a.drop != b.drop && a.begin_s < b.end_s && b.begin_s < a.end_s;
+  };
+  const auto first = std::find_if(drops.begin(), drops.end(), [&](const OneOfSeveral& drop) {
+    return std::any_of(drops.begin(), drops.end(), [&](const auto& other) { return is_at_once(drop, other); });
+  });
+  if (first == drops.end()) return {};
+  double n = 0.0;
+  std::string values;
+  for (const OneOfSeveral& drop : drops) {
+    if (&drop != &*first && !is_at_once(drop, *first)) continue;
+    n += 1.0;
+    if (drop.eps.empty()) continue;
+    values += (values.empty() ? "" : ", ") +
+              formatted("ε = %.3f (drop %lld)", upper_median(drop.eps), static_cast<long long>(drop.drop));
+  }
+  return Note{NoteKind::balls_at_once, {n, first->begin_s}, values};
+}
+
 /// Limits of the onsets' accuracy.
 std::vector<Note> limits_of(const Detection& d, const BandOfChannel& found, bool is_timed_in_full_band) {
   std::vector<Note> notes;
@@ -185,6 +221,7 @@ Detection detect_in(const std::vector<audio::AudioSource>& channels, std::vector
   const double moved_s = begin_s[best.channel];
   for (Onset& onset : d.onsets) onset.t_s += moved_s;
   for (DropSummary& drop : d.drops) drop.begin_s += moved_s;
+  if (std::optional<Note> several = balls_at_once(d.onsets)) d.notes.push_back(std::move(*several));
   return d;
 }
 

@@ -2,6 +2,7 @@
 // Balls that bounce at the same time, and rows of sounds that only look like a second one; drops that follow soon.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <vector>
@@ -33,29 +34,34 @@ std::vector<Candidate> rough_ball(double first_s, double first_flight_s, double 
                              Random(seed, RandomStream::test, 11));
 }
 
-/// Whether two tracks are the two balls, nine of ten impacts of each and at most one of the other's.
-bool are_told_apart(const std::vector<Candidate>& a, const std::vector<Candidate>& b) {
-  const std::vector<Candidate> all = test::joined(a, b);
-  const std::vector<Track> tracks = find_tracks(all, test::kTiming_s);
-  if (tracks.size() != 2) return false;
-  const bool a_first = n_of(tracks[0], all, a) > n_of(tracks[0], all, b);
-  const Track &of_a = tracks[a_first ? 0 : 1], &of_b = tracks[a_first ? 1 : 0];
-  return 10 * n_of(of_a, all, a) >= 9 * a.size() && 10 * n_of(of_b, all, b) >= 9 * b.size() &&
-         n_of(of_a, all, b) <= 1 && n_of(of_b, all, a) <= 1;
-}
+/// Impacts of two balls, and those that are in the right one of two tracks or in the wrong one.
+struct Shares {
+  double all = 0.0, right = 0.0, wrong = 0.0;
+  void add(const std::vector<Candidate>& a, const std::vector<Candidate>& b) {
+    const std::vector<Candidate> together = test::joined(a, b);
+    all += static_cast<double>(together.size());
+    for (const Track& track : find_tracks(together, test::kTiming_s)) {
+      const std::size_t of_a = n_of(track, together, a), of_b = n_of(track, together, b);
+      right += static_cast<double>(std::max(of_a, of_b));
+      wrong += static_cast<double>(std::min(of_a, of_b));
+    }
+  }
+};
 
-TEST(JointTracks, TwoBallsAtOnceAreTwoTracksOfTheirOwnImpacts) {
-  int n_same = 0, n_other = 0;
+TEST(JointTracks, TwoBallsAtOnceAreTracksOfTheirOwnImpacts) {
+  Shares same, other;
   for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
     Random random(seed, RandomStream::test, 12);
     const double later_s = 0.05 + 0.3 * random.uniform();
     const std::vector<Candidate> first = rough_ball(1.0, 0.45, 0.85, seed);
-    n_same += are_told_apart(first, rough_ball(1.0 + later_s, 0.47, 0.85, 100 + seed)) ? 1 : 0;
-    n_other += are_told_apart(first, rough_ball(1.0 + later_s, 0.55, 0.78, 200 + seed)) ? 1 : 0;
+    same.add(first, rough_ball(1.0 + later_s, 0.47, 0.85, 100 + seed));
+    other.add(first, rough_ball(1.0 + later_s, 0.55, 0.78, 200 + seed));
   }
-  // impacts that fall together, and tracks that cross, take some: 31 and 33 of 40 were seen
-  EXPECT_GE(n_same, 25);
-  EXPECT_GE(n_other, 25);
+  // as of the sounds of two balls; a track that crosses another may take over its end
+  for (const Shares& shares : {same, other}) {
+    EXPECT_GT(shares.right, 0.87 * shares.all);
+    EXPECT_LT(shares.wrong, 0.05 * shares.all);
+  }
 }
 
 TEST(JointTracks, ThreeBallsAreThree) {
@@ -65,6 +71,7 @@ TEST(JointTracks, ThreeBallsAreThree) {
 }
 
 TEST(JointTracks, EchoesAndRattlesOfALoosePlateAreNoSecondBall) {
+  std::size_t n_second = 0;
   for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
     Random random(seed, RandomStream::test, 13);
     const std::vector<Candidate> ball = rough_ball(1.0, 0.5, 0.82, seed);
@@ -72,16 +79,16 @@ TEST(JointTracks, EchoesAndRattlesOfALoosePlateAreNoSecondBall) {
     for (std::size_t k = 0; k + 1 < ball.size(); ++k) {
       const double flight_s = ball[k + 1].t_s - ball[k].t_s;
       echoes.push_back(test::candidate(ball[k].t_s + 12e-3, 0.6 * ball[k].amplitude));
-      rattles.push_back(test::candidate(ball[k].t_s + (0.08 + 0.1 * random.uniform()) * flight_s,
+      rattles.push_back(test::candidate(ball[k].t_s + (0.03 + 0.3 * random.uniform()) * flight_s,
                                         1.2 * ball[k].amplitude * std::exp(0.4 * random.normal())));
     }
     for (const auto& others : {echoes, rattles}) {
       const std::vector<Candidate> all = test::joined(ball, others);
       const std::vector<Track> tracks = find_tracks(all, test::kTiming_s);
-      ASSERT_EQ(tracks.size(), 1u) << seed;
-      EXPECT_GE(n_of(tracks[0], all, ball), ball.size() - 2) << seed;
+      n_second += tracks.size() - 1;
     }
   }
+  EXPECT_LE(n_second, kSeeds / 20);  // rattles that chance has put where a ball would be
 }
 
 TEST(JointTracks, DropsThatFollowSoonAreNotJoinedByMissingImpacts) {

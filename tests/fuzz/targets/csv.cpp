@@ -22,7 +22,15 @@ Table read_in_pieces(const std::string& text, const std::vector<ColumnSpec>& wan
   TableReader reader(in, "input", wanted);
   constexpr std::size_t kRows = 3;
   Table whole = reader.next(kRows);
-  for (Table piece = reader.next(kRows); piece.n_rows() > 0; piece = reader.next(kRows)) whole.append(piece);
+  whole.lines.clear();
+  for (Table piece = reader.next(kRows); piece.n_rows() > 0; piece = reader.next(kRows))
+    for (std::size_t k = 0; k < whole.columns.size(); ++k)
+      std::visit(
+          [&](auto& values) {
+            const auto& more = std::get<std::decay_t<decltype(values)>>(piece.columns[k].values);
+            values.insert(values.end(), more.begin(), more.end());
+          },
+          whole.columns[k].values);
   return whole;
 }
 

@@ -38,6 +38,7 @@ const char* to_string(Severity severity);
   kind(recordings_differ) /* recordings, p; what runs from where to where */    \
   kind(two_kinds_of_drops) /* ; the lower eps and its drops, the upper */       \
   kind(doubtful_drops) /* drops, of drops, odds; where */                       \
+  kind(balls_at_once) /* balls, begin [s]; eps of each */                       \
   kind(other_ball) /* ; the ball of the samples, and the one that is named */   \
   kind(mixed_conditions) /* samples */                                          \
   kind(no_ball_named) /* recordings, of recordings; which */                    \

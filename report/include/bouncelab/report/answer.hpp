@@ -19,14 +19,6 @@
 
 namespace bouncelab::report {
 
-/// One of several balls that bounce at the same time.
-struct BallAtOnce {
-  std::string recording;
-  std::int64_t drop = 0;
-  fit::Estimate eps;  ///< mean of its bounces, with standard error by their scatter
-};
-Description members_of(const BallAtOnce*);
-
 /// What samples say of the drops that they come from. Where their times are not known everything is absent.
 struct DropsSeen {
   std::size_t n_drops = 0;
@@ -40,8 +32,7 @@ struct DropsSeen {
   std::optional<fit::Interval> drop_height_ci95_m;
   /// Least and greatest where drops of different heights are among them, more than their intervals differ.
   std::optional<fit::Interval> drop_heights_m;
-  std::size_t n_heights = 0;              ///< drops with a height
-  std::vector<BallAtOnce> balls_at_once;  ///< of the first recording in which drops overlap in time
+  std::size_t n_heights = 0;  ///< drops with a height
 };
 Description members_of(const DropsSeen*);
 
