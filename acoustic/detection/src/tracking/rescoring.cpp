@@ -170,7 +170,9 @@ std::vector<std::size_t> explained_by(const Observations& o, const Track& track)
 std::vector<std::size_t> explained_by_others(const Observations& o, const std::vector<Track>& tracks, std::size_t but) {
   std::vector<std::size_t> explained;
   for (std::size_t t = 0; t < tracks.size(); ++t)
-    if (t != but) explained = united(explained, explained_by(o, tracks[t]));
+    if (t != but &&
+        (but == tracks.size() || !(ends_before(tracks[t], tracks[but]) || ends_before(tracks[but], tracks[t]))))
+      explained = united(explained, explained_by(o, tracks[t]));
   return explained;
 }
 

@@ -231,10 +231,13 @@ std::optional<double> eps_at(const std::vector<Candidate>& c, const Track& track
 
 std::vector<Track> find_balls(const Observations& o, const std::vector<std::size_t>& explained, double begin_s,
                               double end_s) {
+  if (explained.empty() && begin_s == -HUGE_VAL) return Search(o, o.all(), {}, false).run();
   std::vector<std::size_t> left;
   std::vector<Observation> seen;
-  for (std::size_t k = 0; k < o.size(); ++k)
-    if (o[k].t_s >= begin_s && o[k].t_s <= end_s && !std::binary_search(explained.begin(), explained.end(), k)) {
+  const auto first = std::partition_point(o.all().begin(), o.all().end(),
+                                          [&](const Observation& sound) { return sound.t_s < begin_s; });
+  for (auto k = static_cast<std::size_t>(first - o.all().begin()); k < o.size() && o[k].t_s <= end_s; ++k)
+    if (!std::binary_search(explained.begin(), explained.end(), k)) {
       left.push_back(k);
       seen.push_back(o.without(k, explained));
     }

@@ -53,7 +53,8 @@ std::vector<Track> find_balls(const Observations& observations, const std::vecto
 
 /// A track's own sounds and their echoes: chance need not offer them. @return indices, rising
 std::vector<std::size_t> explained_by(const Observations& observations, const Track& track);
-/// What all tracks explain but one. @return indices, rising
+/// What the tracks explain that go on while one of them does, but that one; of the number of tracks, what all explain.
+/// @return indices, rising
 std::vector<std::size_t> explained_by_others(const Observations& observations, const std::vector<Track>& tracks,
                                              std::size_t but);
 
