@@ -164,13 +164,6 @@ float SameSource::weight(std::size_t j, std::size_t k) const {
   return weight;
 }
 
-SameSource SameSource::of(const std::vector<std::size_t>& sounds) const {
-  if (n_sounds_ == 0) return {};
-  std::vector<BandEnergies> energies;
-  for (const std::size_t k : sounds) energies.push_back((*this)[k]);
-  return SameSource(energies);
-}
-
 float SameSource::probability(std::size_t j, std::size_t k) const {
   if (n_sounds_ == 0) return 0.5F;
   const BandEnergies a = (*this)[j], b = (*this)[k];

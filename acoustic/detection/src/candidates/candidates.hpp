@@ -75,8 +75,6 @@ class SameSource {
   /// Of sound k and each of the sounds first ... first + weights.size() - 1.
   void weigh(std::size_t k, std::size_t first, std::span<float> weights) const;
   float weight(std::size_t j, std::size_t k) const;
-  /// The same of some of the sounds.
-  SameSource of(const std::vector<std::size_t>& sounds) const;
   /// Probability that two sounds are of one source (a ball's impacts, one voice, one pair of hands), prior 1/2, by how
   /// far their spectra differ once their loudness is taken out: normal distributions of 4 dB an octave for one source,
   /// of 11 dB for two. Octaves are weighted by the added shares of both. 0.02 ... 0.98.
