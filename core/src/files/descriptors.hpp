@@ -32,9 +32,6 @@ struct TemporaryFile {
 /// @param mode  its permissions, less the umask. @throws std::system_error
 TemporaryFile make_temporary_file(const std::filesystem::path& folder, mode_t mode);
 
-/// A name in a folder that nobody has.
-std::filesystem::path free_name(const std::filesystem::path& folder);
-
 /// A temporary file that never gets a name. @throws std::system_error
 Descriptor make_nameless_file(const std::filesystem::path& folder);
 

@@ -7,6 +7,7 @@
 
 #include <cerrno>
 #include <cstring>
+#include <functional>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -14,6 +15,7 @@
 
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/parallel.hpp"
+#include "bouncelab/core/text.hpp"
 #include "files/descriptors.hpp"
 
 namespace bouncelab {
@@ -62,6 +64,11 @@ void copy_to_stream(const FileTarget& target, int from, const std::string& name)
   }
 }
 
+/// A hash, since the name of an output may have all the characters that a name may have.
+fs::path name_of_replacement(const fs::path& output) {
+  return output.parent_path() / formatted(".bouncelab-%016zx", std::hash<std::string>{}(output.filename().string()));
+}
+
 }  // namespace
 
 struct OutputFile::State {
@@ -82,21 +89,29 @@ struct OutputFile::State {
   }
 
   void put_in_place() {
-    if (temporary.path.empty() && !may_replace) {
-      const int error = link_to(target.path);
-      if (error == EEXIST) throw FileExists(path.string());
-      return check(error);
+    if (!temporary.path.empty()) {
+      if (!may_replace && fs::exists(target.path)) throw FileExists(path.string());
+      check(::rename(temporary.path.c_str(), target.path.c_str()) == 0 ? 0 : errno);
+      temporary.path.clear();
+      return;
     }
-    // a link replaces nothing: the file gets a free name, which only a process that is killed at this moment leaves
-    if (temporary.path.empty()) {
-      fs::path name = free_name(folder);
-      check(link_to(name));
-      temporary.path = std::move(name);
-    } else if (!may_replace && fs::exists(target.path)) {
-      throw FileExists(path.string());
+    const int linked = link_to(target.path);
+    if (linked != EEXIST) return check(linked);
+    if (!may_replace) throw FileExists(path.string());
+    // A link replaces nothing: the file has another name for a moment. A process that is killed at this moment leaves
+    // that name, so that it is the same in each run: the next one takes it away.
+    const fs::path name = name_of_replacement(target.path);
+    int error = EEXIST;
+    while (error == EEXIST) {
+      ::unlink(name.c_str());
+      error = link_to(name);
     }
-    check(::rename(temporary.path.c_str(), target.path.c_str()) == 0 ? 0 : errno);
-    temporary.path.clear();
+    check(error);
+    if (::rename(name.c_str(), target.path.c_str()) == 0) return;
+    error = errno;
+    ::unlink(name.c_str());
+    // of two processes that write the same output at this moment the other one has taken the name, and is the last
+    if (error != ENOENT || !fs::exists(target.path)) check(error);
   }
 
   void check(int error) const {

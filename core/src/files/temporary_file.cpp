@@ -35,6 +35,9 @@ Descriptor::~Descriptor() {
   if (number_ >= 0) ::close(number_);
 }
 
+namespace {
+
+/// A name in a folder that nobody has.
 fs::path free_name(const fs::path& folder) {
   // not by std::random_device, which asks the processor what it is each time: in a virtual machine twice 8 us
   std::uint64_t number = 0;
@@ -43,6 +46,8 @@ fs::path free_name(const fs::path& folder) {
   std::snprintf(name, sizeof name, ".bouncelab-%016llx", static_cast<unsigned long long>(number));
   return folder / name;
 }
+
+}  // namespace
 
 TemporaryFile make_temporary_file(const fs::path& folder, mode_t mode) {
 #ifdef O_TMPFILE
