@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "channel_tracks.hpp"
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <utility>
 
 #include "bouncelab/core/elementary.hpp"
@@ -14,6 +16,7 @@ namespace bouncelab::detection {
 namespace {
 
 constexpr std::array<double, 2> kLowRates_hz{4e3, 1e3};
+constexpr float kLeastShare = 0.1F;  // of what is compared, that is no noise
 
 /// How much all impacts of the tracks rise in a band.
 double rise_of_impacts(const BandOfChannel& band, const ChannelTracks& found) {
@@ -37,6 +40,38 @@ bool are_clear(const BandOfChannel& band, const ChannelTracks& found) {
 }
 
 double duration_s(const BandOfChannel& band) { return static_cast<double>(band.sound.n_samples) / band.sound.rate_hz; }
+
+/// The largest normalised correlation of the innovations after two candidates, within the reach of both; of what is
+/// above the noise, which is like nothing. May be above 1, where that is little.
+double likeness_of(const BandOfChannel& band, const Candidate& a, const Candidate& b) {
+  const double rate_hz = band.sound.rate_hz;
+  const std::int64_t n = kChannels.n_compared;
+  const auto most_lag = static_cast<std::int64_t>(std::ceil(std::max(a.reach_s, b.reach_s) * rate_hz));
+  const auto innovations = [&](double t_s, std::int64_t before, std::int64_t n_samples) {
+    Eigen::ArrayXf u(n_samples);
+    read_innovations(band.sound, band.models.signal, std::llround(t_s * rate_hz) - before,
+                     {u.data(), static_cast<std::size_t>(n_samples)});
+    return u;
+  };
+  const auto noise = static_cast<float>(band.models.signal.quiet_variance) * static_cast<float>(n);
+  const auto energy = [&](float with_noise) { return std::max(with_noise - noise, kLeastShare * with_noise); };
+  const Eigen::ArrayXf first = innovations(a.t_s, 0, n);
+  const Eigen::ArrayXf second = innovations(b.t_s, most_lag, n + 2 * most_lag);
+  const float of_first = energy(first.square().sum());
+  float largest = 0.0F;
+  for (std::int64_t lag = 0; lag <= 2 * most_lag; ++lag) {
+    const auto shifted = second.segment(lag, n);
+    largest = std::max(largest, (first * shifted).sum() / std::sqrt(of_first * energy(shifted.square().sum())));
+  }
+  return largest;
+}
+
+/// In a lower band: above 2 kHz the impacts of a real ball are no more alike than other sounds, since each strikes
+/// another place.
+/// @param candidates  of this band or another
+Likeness likeness_in(const BandOfChannel& band, const std::vector<Candidate>& candidates) {
+  return [&](std::size_t j, std::size_t k) { return likeness_of(band, candidates[j], candidates[k]); };
+}
 
 double begin_s(const std::vector<Candidate>& c, const Track& track) { return c[track.impacts.front().candidate].t_s; }
 double end_s(const std::vector<Candidate>& c, const Track& track) { return c[track.impacts.back().candidate].t_s; }
@@ -174,10 +209,18 @@ ChannelTracks find_tracks_in(BandsOfChannel& bands) {
     const BandOfChannel& band = bands[b];
     ChannelTracks of_band{b,
                           find_tracks(band.candidates, 2.0 / band.sound.rate_hz, band.same_source, duration_s(band),
-                                      band.elastic_flight_s),
+                                      band.elastic_flight_s, b > 0 ? likeness_in(band, band.candidates) : Likeness()),
                           {}};
     of_band.is_clear = b == 0 && are_clear(band, of_band);
-    if (b == 0 || of_band.log_odds() > best.log_odds() + kTracking.lower_band) std::swap(best, of_band);
+    if (b > 0) {
+      // tracks of the whole band sound as much alike in this one
+      double alike = 0.0;
+      if (best.band == 0)
+        for (const Track& track : best.tracks)
+          alike += log_odds_of_likeness(track, likeness_in(band, bands[0].candidates));
+      if (of_band.log_odds() > best.log_odds() + alike + kTracking.lower_band) std::swap(best, of_band);
+    } else
+      std::swap(best, of_band);
     if (!of_band.tracks.empty()) others.push_back({of_band.band, std::move(of_band.tracks)});
     if (best.is_clear) break;
   }

@@ -21,8 +21,9 @@ struct ChannelModel {
   // Lower bands are not searched where they have nothing to add: where the impacts are nearly all that rises (of balls
   // of steel, glass and stone 0.99, of soft ones 0.2 to 0.99), and none is so faint that others may be missing.
   double explained = 0.97;
-  double clear_rise = 8.0;  ///< beyond the threshold of candidates
-  double edge_s = 3e-3;     ///< from sound that a file has lost: reach of the windows in which a rise is looked for
+  double clear_rise = 8.0;       ///< beyond the threshold of candidates
+  std::int64_t n_compared = 48;  ///< samples after two candidates of a lower band: 12 and 48 ms
+  double edge_s = 3e-3;  ///< from sound that a file has lost: reach of the windows in which a rise is looked for
 };
 
 BOUNCELAB_MODEL ChannelModel kChannels;

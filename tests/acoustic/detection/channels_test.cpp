@@ -172,6 +172,32 @@ TEST(ChannelTracks, ASoftBallIsFoundInALowBandOfItsSound) {
   EXPECT_GE(channel.found.tracks[0].impacts.size(), 7u);
 }
 
+/// Log odds of three impacts in a lower band that are heard as these sounds; of no track nothing.
+double log_odds_of_three(const std::array<test::ModalSound, 3>& sounds, std::uint64_t seed) {
+  const std::vector<Candidate> impacts = test::candidates_of({.n_impacts = 3});
+  std::vector<float> x(static_cast<std::size_t>(6.0 * kMiddle_hz));
+  for (std::size_t k = 0; k < sounds.size(); ++k)
+    test::add_modal_sound(x, kMiddle_hz, impacts[k].t_s, 1e-3 * impacts[k].amplitude, sounds[k]);
+  test::add_noise(x, 0.01, seed);
+  BandOfChannel band = band_of(impacts, kMiddle_hz);
+  band.sound = audio::source_in_memory(x, kMiddle_hz);
+  band.models = learn_ar_models(band.sound, kArOrder);
+  return channel_of({band_of({}, kFull_hz), band}).found.log_odds();
+}
+
+TEST(ChannelTracks, ThreeImpactsThatSoundAlikeAreMoreProbableThanThreeThatDoNot) {
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    Random random(seed, RandomStream::test, 3);
+    const auto any = [&] {
+      return test::equal_modes(
+          {random.uniform(100.0, 600.0), random.uniform(600.0, 1200.0), random.uniform(1200.0, 1900.0)},
+          random.uniform(3e-3, 15e-3), 0.2);
+    };
+    const test::ModalSound one = any();
+    EXPECT_GT(log_odds_of_three({one, one, one}, seed), log_odds_of_three({one, any(), any()}, seed) + 1.0) << seed;
+  }
+}
+
 /// Noise, and sounds every 0.15 s: some at either end and where one block of the search goes over into the next.
 std::vector<float> struck(double rate_hz) {
   constexpr double kSound_s = 4.0;

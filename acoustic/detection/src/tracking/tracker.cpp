@@ -24,7 +24,8 @@ constexpr double kHopeless = -8.0;     // log odds below which a hypothesis is n
 constexpr double kMostOfSecond = 2.0;  // log odds that the second impact adds at most
 // log odds that a track may have lost because its own sounds, those to come above all, were counted as clutter
 constexpr double kOwnClutter = 5.0;
-constexpr double kAcceptance = 0.0;  // log odds of a track
+constexpr double kAcceptance = 0.0;         // log odds of a track
+constexpr double kMostCorrelation = 0.999;  // copies of one sound, as generators make them, are no surer balls
 
 struct State {
   Hypothesis track;
@@ -245,11 +246,22 @@ std::vector<Track> find_balls(const Observations& o, const std::vector<std::size
   return Search(o, seen, std::move(left), false).run();
 }
 
+double log_odds_of_likeness(const Track& track, const Likeness& likeness) {
+  const auto n = std::min(track.impacts.size() - 1, static_cast<std::size_t>(kTracking.memory));
+  double sum = 0.0;
+  for (std::size_t k = 0; k < n; ++k) sum += likeness(track.impacts[k].candidate, track.impacts[k + 1].candidate);
+  const double z = std::atanh(std::min(sum / static_cast<double>(n), kMostCorrelation));
+  return log(student3(z - kTracking.likeness, kTracking.likeness_scatter) /
+             student3(z - kTracking.other_likeness, kTracking.other_likeness_scatter));
+}
+
 std::vector<Track> find_tracks(const std::vector<Candidate>& candidates, double timing_s, const SameSource& same_source,
-                               double duration_s, std::optional<double> elastic_flight_s) {
+                               double duration_s, std::optional<double> elastic_flight_s, const Likeness& likeness) {
   const Observations observations(candidates, timing_s, same_source, duration_s, elastic_flight_s);
   std::vector<Track> tracks = rescored(observations, Search(observations, observations.all(), {}, true).run());
   add_balls_at_once(observations, tracks);
+  if (likeness)
+    for (Track& track : tracks) track.log_odds += log_odds_of_likeness(track, likeness);
   weigh_by_drop_rate(candidates, tracks);
   std::erase_if(tracks, [](const Track& track) { return track.log_odds < kAcceptance; });
   for (std::size_t t = 0; t < tracks.size(); ++t)

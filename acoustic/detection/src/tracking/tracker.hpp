@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -28,6 +29,9 @@ struct Track {
 
 constexpr std::int64_t kFewestImpacts = 3;  // one coefficient of restitution
 
+/// Correlation of the sounds after two candidates, 0 ... 1.
+using Likeness = std::function<double(std::size_t, std::size_t)>;
+
 /// Ratio of the flights after and before the k-th detected impact, by the candidates' times; absent at the ends and
 /// beside impacts that were not detected.
 std::optional<double> eps_at(const std::vector<Candidate>& candidates, const Track& track, std::size_t k);
@@ -35,16 +39,21 @@ std::optional<double> eps_at(const std::vector<Candidate>& candidates, const Tra
 /// The most probable tracks of a recording, one after the other in time: multiple hypothesis tracking (Reid 1979,
 /// doi:10.1109/TAC.1979.1102177; Blackman & Popoli 1999) of a bouncing ball in clutter, by a beam search over
 /// hypotheses (hypothesis.hpp), each impact of which may be followed by up to kMostMissing that were not detected. Each
-/// track is then scored anew without its own sounds among the clutter and weighed by how often balls are dropped in the
-/// recording (weigh_by_drop_rate); those of even odds at least are left.
+/// track is then scored anew without its own sounds among the clutter, weighed by how alike its impacts sound and by
+/// how often balls are dropped in the recording (weigh_by_drop_rate); those of even odds at least are left.
 /// @param timing_s     error of the candidates' times, standard deviation [s]; where only a longer window noticed
 ///                        one, 0.15 of that window
 /// @param same_source  which of the candidates may have one source
 /// @param duration_s   of the recording, from 0 on
 /// @param elastic_flight_s  Observation::elastic_flight_s
+/// @param likeness          of candidates; without it nothing is known of how alike they sound
 std::vector<Track> find_tracks(const std::vector<Candidate>& candidates, double timing_s,
                                const SameSource& same_source = {}, double duration_s = HUGE_VAL,
-                               std::optional<double> elastic_flight_s = {});
+                               std::optional<double> elastic_flight_s = {}, const Likeness& likeness = {});
+
+/// log of the odds that impacts which follow one another sound so much alike. The band energies of SameSource say what
+/// cannot be of one source; this says what is.
+double log_odds_of_likeness(const Track& track, const Likeness& likeness);
 
 /// The likeliest balls one after the other in time, among the sounds of a stretch of time that are not explained.
 /// @param explained  indices of candidates, rising

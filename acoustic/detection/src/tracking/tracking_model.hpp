@@ -77,6 +77,12 @@ struct TrackingModel {
   double loudness_scatter = 0.56;  ///< of amplitude over speed from impact to impact, before the track itself shows it
   double loudness_weight = 4.0;    ///< impacts that this is worth
 
+  // likeness of the sounds after two impacts: Fisher's z of their correlation, artanh, which scatters normally
+  double likeness = 1.05;  ///< of one ball's: median and scatter over balls and plates
+  double likeness_scatter = 0.45;
+  double other_likeness = 0.45;  ///< of sounds that make a track by chance, often of one source too: knocks, speech
+  double other_likeness_scatter = 0.3;
+
   // rhythms: log interval
   double rhythm_log_odds = -0.5;    ///< of a rhythm against a ball
   double beat_scatter = 0.05;       ///< by hand: drummers 2 %, hands and feet 3 to 8 %
