@@ -65,6 +65,23 @@ TEST(LossySound, IsTimedAtTheAttackThoughNoiseBeginsMillisecondsBefore) {
     EXPECT_NEAR(d.onsets[k].t_s - offset_s, times[k], 10e-6) << k << " stated " << *d.onsets[k].sigma_t_s;
 }
 
+TEST(LossySound, OfWhichARowOfImpactsSeemsEarlyByAsMuchIsTimedAtTheAttack) {
+  // each of a row is where its neighbours, as wrong by as much, expect it
+  const std::vector<double> times = bounce_times(30);
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    std::vector<float> x = noise(static_cast<std::size_t>(5.5 * kRate_hz), 1e-4, seed);
+    for (std::size_t k = 0; k < times.size(); ++k) {
+      const double level = 0.5 * std::pow(0.965, static_cast<double>(k));
+      test::add_modal_sound(x, kRate_hz, times[k], level, test::plate_impact());
+      if (k % 10 > 4) add_noise_before(x, times[k], 1e-3, 0.2 * level, 100 * seed + k);
+    }
+    const Detection d = detect(x, kRate_hz, "a row begins early");
+    ASSERT_EQ(d.onsets.size(), times.size());
+    const double offset_s = d.onsets[0].t_s - times[0];
+    for (std::size_t k = 0; k < times.size(); ++k) EXPECT_NEAR(d.onsets[k].t_s - offset_s, times[k], 10e-6) << k;
+  }
+}
+
 TEST(LossySound, IsWarnedOfWhereSomethingElseHasDecodedIt) {
   const std::vector<double> times = bounce_times(12);
   std::vector<float> x = noise(static_cast<std::size_t>(3.0 * kRate_hz), 1e-4, 1);

@@ -336,7 +336,11 @@ std::optional<ExpectedPlace> expected_place(const std::vector<TimedImpact>& trac
 /// @return whether an impact is at another place now
 bool add_predicted_places(ImpactTimer timer, std::vector<TimedImpact>& track) {
   std::vector<double> t_s;
-  for (const TimedImpact& impact : track) t_s.push_back(impact.fit.t_s);
+  std::vector<bool> is_unexplained;
+  for (const TimedImpact& impact : track) {
+    t_s.push_back(impact.fit.t_s);
+    is_unexplained.push_back(impact.not_explained.has_value());
+  }
   const std::vector<ExpectedLogEps> expected = expected_log_eps(track, t_s);
   bool has_moved = false;
   for (std::size_t k = 0; k < track.size(); ++k) {
@@ -344,8 +348,11 @@ bool add_predicted_places(ImpactTimer timer, std::vector<TimedImpact>& track) {
     const double before_s = impact.fit.t_s;
     const std::optional<ExpectedPlace> place = expected_place(track, k, expected[k]);
     const bool is_there = place && std::abs(before_s - place->t_s) < place->reach_s;
-    // neighbours that expect it anywhere within so long exclude no other place
-    if (impact.not_explained && !(is_there && place->reach_s < kDelay.least_interval_s)) {
+    // neighbours that expect it anywhere within so long exclude no other place; nor do such as are in the wrong place
+    // themselves, as codecs put a row of impacts
+    const bool is_known =
+        is_there && place->reach_s < kDelay.least_interval_s && !is_unexplained[k - 1] && !is_unexplained[k + 1];
+    if (impact.not_explained && !is_known) {
       impact.fit = find_everywhere(timer, impact.rise_s, impact.fit, *impact.not_explained, impact.until_s);
       impact.not_explained.reset();
     }
