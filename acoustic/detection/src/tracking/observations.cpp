@@ -39,6 +39,7 @@ Neighbours count_neighbours(std::size_t k, const std::vector<Candidate>& c, std:
   int octave = kWindowOctaves - 1;
   for (std::size_t j = first; j < end; ++j) {
     const double apart_s = std::abs(c[j].t_s - c[k].t_s);
+    if (j != k && apart_s < kTracking.same_sound_s) continue;
     while (octave > 0 && apart_s <= reach_s(octave - 1)) --octave;  // up to k
     while (apart_s > reach_s(octave)) ++octave;                     // behind it
     const float share = shares[j - first];

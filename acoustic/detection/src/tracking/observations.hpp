@@ -17,7 +17,8 @@ constexpr int kWindowOctaves = 12;
 constexpr double kSmallestReach_s = 2e-3;
 constexpr double kLargestReach_s = kSmallestReach_s * (1 << (kWindowOctaves - 1));  // 4 s
 
-/// Candidates around one, itself included, each counted by how much it is of the same kind (SameSource).
+/// Candidates around one, itself included, each counted by how much it is of the same kind (SameSource). What is so
+/// near that it is the same sound, noticed twice, is none (kTracking.same_sound_s).
 struct Neighbours {
   std::array<float, kWindowOctaves> density{};  ///< of their log amplitudes at this one's, within 2 ms, 4 ms ... 4 s
   float all = 0.0F;                             ///< number within 4 s

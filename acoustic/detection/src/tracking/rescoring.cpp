@@ -116,7 +116,8 @@ double n_unexplained(const Observations& o, const OwnSounds& sounds) {
     if (std::binary_search(sounds.explained.begin(), sounds.explained.end(), k)) continue;
     const std::size_t near = own[next > 0 ? next - 1 : 0];
     const bool is_echo = next > 0 && c[k].t_s - c[near].t_s < kTracking.echo_s;
-    if (!is_echo && c[k].amplitude > kTracking.as_loud * c[near].amplitude)
+    const bool is_same = next < own.size() && c[own[next]].t_s - c[k].t_s < kTracking.same_sound_s;
+    if (!is_echo && !is_same && c[k].amplitude > kTracking.as_loud * c[near].amplitude)
       n += std::max(0.0, 2.0 * o.same_source_probability(near, k) - 1.0);
   }
   return n;
