@@ -75,9 +75,10 @@ void re_estimate_start(const Observations& o, std::size_t first_free, Track& tra
     given = track.impacts[0].candidate;
     track.impacts.erase(track.impacts.begin());
   }
-  const std::optional<Expected> expected = expected_before(c, track);
-  const std::vector<std::size_t> explained = explained_by(o, track);
-  while (expected && track.impacts[1].impact == track.impacts[0].impact + 1) {
+  while (track.impacts[1].impact == track.impacts[0].impact + 1) {
+    const std::optional<Expected> expected = expected_before(c, track);
+    if (!expected) break;
+    const std::vector<std::size_t> explained = explained_by(o, track);
     const std::size_t first = track.impacts[0].candidate;
     const double flight_s = c[track.impacts[1].candidate].t_s - c[first].t_s;
     const auto odds_of = [&](std::size_t k) {
