@@ -27,6 +27,10 @@ struct DropsModel {
   double least_pulse = 0.1;       ///< of P; near its first zero the ratio of two pulses is undetermined
   double clearly_less = 0.5;      ///< of the error in a low band, which a whole band's must be to be taken
 
+  // alignment of templates
+  std::ptrdiff_t bins_of_shape = 8;  ///< of the spectrum, some 350 Hz, in which few modes sound
+  std::ptrdiff_t most_shapes = 2;    ///< that the templates are sums of there; no more than half as many as templates
+
   // impacts of a drop that only another band shows
   std::size_t fewest_shared = 5;   ///< impacts that both bands have
   double most_delay_s = 8e-3;      ///< of one band's times against another's: a quarter of a cycle at 30 Hz

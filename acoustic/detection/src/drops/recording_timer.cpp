@@ -11,6 +11,7 @@
 #include "bouncelab/core/parallel.hpp"
 #include "contact/contact_time.hpp"
 #include "delay/timed_impact.hpp"
+#include "drops/template_alignment.hpp"
 #include "tracking/tracker.hpp"
 #include "whitening/whitening.hpp"
 
@@ -173,23 +174,58 @@ struct TimedDrops {
   }
 };
 
+/// Moves the times of all drops to what their templates have in common, by nothing in the mean. The contact times that
+/// they are corrected for are then against one, too.
+/// @param templates  phases of each; empty = none
+/// @param of_drop    number of its template
+void align_drops(double rate_hz, std::vector<audio::Spectrum> templates, const std::vector<std::size_t>& of_drop,
+                 std::vector<TimedDrop>& drops) {
+  std::vector<audio::Spectrum> learned;
+  std::vector<std::size_t> place;
+  for (audio::Spectrum& phases : templates) {
+    place.push_back(learned.size());
+    if (phases.size() > 0) learned.push_back(std::move(phases));
+  }
+  const std::vector<double> later = align_templates(std::move(learned), kTemplate.lead_s * rate_hz);
+  double mean = 0.0, scaling = 0.0, n = 0.0;
+  const auto for_each = [&](const auto& work) {
+    for (std::size_t d = 0; d < drops.size(); ++d)
+      if (drops[d].wave) work(drops[d], later[place[of_drop[d]]]);
+  };
+  for_each([&](const TimedDrop& drop, double later_samples) {
+    mean += later_samples, scaling += drop.reference_scaling, n += 1.0;
+  });
+  for_each([&](TimedDrop& drop, double later_samples) {
+    const double later_s = (later_samples - mean / n) / rate_hz;
+    for (TimedImpact& impact : drop.impacts) impact.fit.t_s += later_s;
+    drop.wave->t0_s -= later_s;
+    drop.reference_scaling = scaling / n;
+  });
+}
+
 /// Times each track by itself, on several threads.
 TimedDrops time_tracks(const BandOfDrops& band, double gravity_mps2, int n_threads) {
-  std::optional<ImpactTemplate> shared;  // of the tracks that have none of their own
+  const std::size_t n = band.tracks.size();
+  std::optional<ImpactTemplate> shared;           // of the tracks that have none of their own
+  std::vector<audio::Spectrum> templates(n + 1);  // phases of each drop's own; the last one is the shared
+  std::vector<std::size_t> of_drop(n, n);
   if (std::any_of(band.tracks.begin(), band.tracks.end(),
                   [](const Track& track) { return track.impacts.size() < kDrops.own_template; })) {
     WhiteSound white(band.sound);
     shared = template_of(band, band.tracks, white);
+    if (shared) templates[n] = recorded_phases(*shared);
   }
-  TimedDrops timed{!band.whole, band.noise.quiet_variance, std::vector<TimedDrop>(band.tracks.size())};
-  parallel_for(band.tracks.size(), n_threads, [&](std::size_t k) {
+  TimedDrops timed{!band.whole, band.noise.quiet_variance, std::vector<TimedDrop>(n)};
+  parallel_for(n, n_threads, [&](std::size_t k) {
     const Track& track = band.tracks[k];
     WhiteSound white(band.sound);
     const std::optional<ImpactTemplate> own =
         track.impacts.size() >= kDrops.own_template ? template_of(band, {track}, white) : std::nullopt;
     const ImpactTemplate* learned = own ? &*own : shared ? &*shared : nullptr;
+    if (own) templates[k] = recorded_phases(*own), of_drop[k] = k;
     timed.drops[k] = time_drop(band, track, learned, end_of_track(band, k), gravity_mps2, white);
   });
+  align_drops(band.sound.rate_hz, std::move(templates), of_drop, timed.drops);
   return timed;
 }
 

@@ -330,14 +330,41 @@ double correlation(const DelayEstimate& estimate, double total) {
   return std::sqrt(std::min(1.0, 2.0 * estimate.log_likelihood_ratio / (total + 1e-30)));
 }
 
-double recorded_rms_frequency(const ImpactTemplate& learned) {
+namespace {
+
+/// Spectrum of the template's whitener at the bins of its own.
+audio::Spectrum whitener_response(const ImpactTemplate& learned) {
   const std::size_t n_window = learned.filter.n_window();
   // long enough for the whitener also at low rates
   const std::size_t n = std::max(n_window, std::bit_ceil(learned.whitener.size()));
-  const audio::Spectrum response = audio::RealFft(n).forward(learned.whitener);
+  audio::Spectrum response = audio::RealFft(n).forward(learned.whitener);
+  for (std::size_t k = 0; k <= n_window / 2; ++k) {
+    response.re[k] = response.re[k * (n / n_window)];
+    response.im[k] = response.im[k * (n / n_window)];
+  }
+  return response;
+}
+
+}  // namespace
+
+audio::Spectrum recorded_phases(const ImpactTemplate& learned) {
+  const audio::Spectrum response = whitener_response(learned);
+  audio::Spectrum modes = audio::product_conj(response, learned.filter.spectrum(), learned.filter.spectrum().size(),
+                                              learned.filter.omega() * learned.contact_index);
+  for (std::size_t k = 0; k < modes.size(); ++k) {
+    const double gain = std::sqrt(audio::bin_power(response, k) * learned.filter.energy()) + 1e-30;
+    modes.re[k] = static_cast<float>(modes.re[k] / gain);
+    modes.im[k] = static_cast<float>(modes.im[k] / gain);
+  }
+  return modes;
+}
+
+double recorded_rms_frequency(const ImpactTemplate& learned) {
+  const std::size_t n_window = learned.filter.n_window();
+  const audio::Spectrum response = whitener_response(learned);
   double power = 0.0, squares = 0.0;
   for (std::size_t k = 1; k < learned.filter.spectrum().size(); ++k) {
-    const double gain2 = audio::bin_power(response, k * (n / n_window));
+    const double gain2 = audio::bin_power(response, k);
     const double recorded = learned.filter.energy(k, k + 1) / (gain2 + 1e-30);
     power += recorded;
     squares += recorded * square(static_cast<double>(k));

@@ -56,6 +56,10 @@ double correlation(const DelayEstimate& estimate, double total);
 /// in it. At least 1e-6.
 double recorded_rms_frequency(const ImpactTemplate& learned);
 
+/// The template's spectrum from the start of contact on, of energy 1, with the phases of the impacts as recorded: those
+/// of the whitener taken off.
+audio::Spectrum recorded_phases(const ImpactTemplate& learned);
+
 /// Filter that whitens what disturbs an impact: the background noise, a share of the impact's own power at each
 /// frequency, which is different each time, and kTemplate.floor of its mean at all. Where a codec left nothing in the
 /// background, the noise alone would make the codec's own errors, which it lets sound with the impacts only, the best
