@@ -460,7 +460,6 @@ ContactLaw pool_contacts(const std::vector<ContactFit>& drops, const ContactLaw&
   if (drops.empty()) return assumed;
   const ContactFit pooled = pool(drops);
   ContactLaw law = law_of(with_prior(pooled, assumed));
-  law.sigma_s = hypot(law.sigma_s, kContact.shape_sigma * law.tau_1_s);
   law.is_significant = pooled.tau2_s2 > kContact.significant * pooled.sigma2_s2;
   return law;
 }

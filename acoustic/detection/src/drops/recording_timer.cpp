@@ -378,7 +378,7 @@ TimedRecording time_recording(const BandOfDrops& band, const std::vector<BandOfD
   recording.is_full_band = timed.is_full_band;
   const std::optional<ContactLaw> law = contact_law_of(timed);
   if (law && law->is_significant) recording.contact_time_at_1_mps_s = law->tau_1_s;
-  if (law) recording.contact_time_sigma_s = law->sigma_s;
+  if (law) recording.contact_time_sigma_s = hypot(law->sigma_s, kContact.shape_sigma * law->tau_1_s);
   std::size_t n_longest = 0;
   for (std::size_t d = 0; d < timed.drops.size(); ++d) {
     const TimedDrop& drop = timed.drops[d];

@@ -19,44 +19,14 @@ namespace {
 constexpr int kJitterRounds = 8;
 constexpr double kLittle = 2e-3;  // relative change of each jitter; 32 impacts determine one to 12 %
 
-/// Sum of the squared deviations, each over its expected value, and its derivative by the jitter.
-struct Ratios {
-  double sum = 0.0;
-  double slope = 0.0;
-};
-
-/// @param squares  over the share of its variance that a deviation keeps
-Ratios ratios_at(double jitter2, const std::vector<double>& squares, const std::vector<double>& noise) {
-  Ratios ratios;
-  for (std::size_t k = 0; k < squares.size(); ++k) {
-    const double per_variance = 1.0 / (noise[k] + jitter2);
-    const double ratio = squares[k] * per_variance;
-    ratios.sum += std::min(ratio, kTemplate.most_of_one);
-    if (ratio < kTemplate.most_of_one) ratios.slope -= ratio * per_variance;
-  }
-  return ratios;
-}
-
-/// Jitter at which the squared deviations of one sub-band, each over its expected value, average 1: by Newton's steps
-/// for 1 - n / sum = 0, which is linear in the jitter where that is all there is; halved where they leave the bracket.
+/// Jitter at which half of the squared deviations of one sub-band, each over its expected value, are below the median of
+/// chi-squared: impacts in the ringing of others, fewer than half, do not count for what the rest show.
 /// @param squares  over the share of its variance that a deviation keeps
 double jitter_of(const std::vector<double>& squares, const std::vector<double>& noise) {
-  constexpr double kTolerance = 1e-6;  // relative
-  constexpr int kMostSteps = 60;
-  const auto n = static_cast<double>(squares.size());
-  if (ratios_at(0.0, squares, noise).sum <= n) return 0.0;
-  double lo = 0.0;
-  double hi = *std::max_element(squares.begin(), squares.end());  // at which no ratio is above 1
-  double jitter2 = std::accumulate(squares.begin(), squares.end(), 0.0) / n;
-  for (int step = 0; step < kMostSteps && hi - lo > kTolerance * hi; ++step) {
-    const Ratios ratios = ratios_at(jitter2, squares, noise);
-    (ratios.sum > n ? lo : hi) = jitter2;
-    const double next = jitter2 + ratios.sum * (ratios.sum - n) / (n * -ratios.slope);
-    const double last = jitter2;
-    jitter2 = next > lo && next < hi ? next : 0.5 * (lo + hi);
-    if (std::abs(jitter2 - last) <= kTolerance * jitter2) break;
-  }
-  return jitter2;
+  constexpr double kMedianOfChi2 = 0.455;  // with one degree of freedom
+  std::vector<double> jitter2;
+  for (std::size_t k = 0; k < squares.size(); ++k) jitter2.push_back(squares[k] / kMedianOfChi2 - noise[k]);
+  return std::max(0.0, upper_median(std::move(jitter2)));
 }
 
 /// Variance of a sub-band's delay [samples^2] where that of its phase is 1.
@@ -64,14 +34,14 @@ double delay_of_phase2(const MatchedFilter& filter, const Subbands& subbands, st
   return filter.energy(subbands, j) / (filter.information(subbands, j) + 1e-30);
 }
 
-/// Phases vary about alike at all frequencies: no sub-band's jitter is less than half of the median phase variance.
-void raise_to_half_of_median(const MatchedFilter& filter, Subbands& subbands) {
+/// Phases vary about alike at all frequencies: the variance of each sub-band's phase is averaged with the median one.
+void average_with_median(const MatchedFilter& filter, Subbands& subbands) {
   const std::size_t n = subbands.n();
   std::vector<double> phase2(n);
   for (std::size_t j = 0; j < n; ++j) phase2[j] = subbands.jitter2[j] / (delay_of_phase2(filter, subbands, j) + 1e-30);
-  const double least = kTemplate.least_of_median * upper_median(std::move(phase2));
+  const double typical = upper_median(std::move(phase2));
   for (std::size_t j = 0; j < n; ++j)
-    subbands.jitter2[j] = std::max(subbands.jitter2[j], least * delay_of_phase2(filter, subbands, j));
+    subbands.jitter2[j] = 0.5 * (subbands.jitter2[j] + typical * delay_of_phase2(filter, subbands, j));
 }
 
 bool have_settled(const std::vector<double>& before, const std::vector<double>& after) {
@@ -99,7 +69,7 @@ std::vector<std::vector<float>> residuals_of(TemplateEstimation& e) {
 }
 
 /// Sets the jitter variance of each sub-band by variance components: the squared deviations from the mean, corrected
-/// for what the mean follows, minus those that noise explains; at least half of the median phase variance of all
+/// for what the mean follows, minus those that noise explains; averaged with the median phase variance of all
 /// sub-bands, since the deviations of one that dominates the mean are small whatever its jitter. Leaves all as it is
 /// with fewer than three estimates or two sub-bands.
 /// @param estimates  of many impacts of one recording
@@ -120,7 +90,7 @@ void estimate_jitter(const std::vector<DelayEstimate>& estimates, const MatchedF
     }
     const std::vector<double> before = subbands.jitter2;
     for (std::size_t j = 0; j < n; ++j) subbands.jitter2[j] = jitter_of(squares[j], noise[j]);
-    raise_to_half_of_median(filter, subbands);
+    average_with_median(filter, subbands);
     if (have_settled(before, subbands.jitter2)) break;
   }
 }
@@ -130,7 +100,7 @@ void estimate_jitter(const std::vector<DelayEstimate>& estimates, const MatchedF
 /// sub-band; and it is not flat where the whitener has modelled the modes too: it is low just where the template is
 /// strong.) Estimated from the quieter half of the windows that end where those of the training impacts begin; in the
 /// others an earlier impact still rings.
-/// @return  sum of squares of such a window, averaged
+/// @return  mean square of such a window
 double estimate_noise(TemplateEstimation& e) {
   const MatchedFilter& filter = e.learned.filter;
   Subbands& subbands = e.learned.subbands;
@@ -158,7 +128,7 @@ double estimate_noise(TemplateEstimation& e) {
   }
   double energy = 0.0;
   for (std::size_t k = 0; k < n_quiet; ++k) energy += windows[k].energy / static_cast<double>(n_quiet);
-  return energy;
+  return energy / static_cast<double>(filter.n_window());
 }
 
 /// Degrees of freedom of what varies from impact to impact, (tr C)^2 / tr C^2 with the covariance C of the residuals:
@@ -183,16 +153,18 @@ double degrees_of_freedom(const std::vector<std::vector<float>>& residuals) {
 /// A single sub-band cannot disagree: of what neither template nor noise explains, the delay takes the share of one of
 /// the directions that it is spread over. (Half of it, in quadrature, would be too much: a mode that is excited more or
 /// less strongly keeps its phase.)
-/// @param quiet  sum of squares of a window without impact
+/// @param quiet  mean square of a window without impact
 void add_unexplained_jitter(TemplateEstimation& e, double quiet) {
+  const std::vector<std::vector<float>> residuals = residuals_of(e);
   std::vector<double> unexplained;  // over what the template explains
   for (const TrainingImpact& impact : e.training) {
-    const double explained = 2.0 * impact.estimate.log_likelihood_ratio;
-    if (impact.is_averaged())
-      unexplained.push_back(std::max(0.0, audio::dot(impact.sound, impact.sound) - explained - quiet) / explained);
+    if (!impact.is_averaged()) continue;
+    const std::vector<float>& x = residuals[unexplained.size()];
+    const double noise = quiet * static_cast<double>(x.size()) / square(impact.estimate.amplitude);
+    unexplained.push_back(std::max(0.0, audio::dot(x, x) - noise) / e.learned.filter.energy());
   }
   if (unexplained.empty()) return;
-  const double dof = degrees_of_freedom(residuals_of(e));
+  const double dof = degrees_of_freedom(residuals);
   const double phase2 = upper_median(std::move(unexplained)) / dof;
   const MatchedFilter& filter = e.learned.filter;
   Subbands& subbands = e.learned.subbands;

@@ -53,8 +53,6 @@ struct TemplateModel {
   /// Least share of its variance that a sub-band's deviations from the mean keep: a mean that rests on one sub-band
   /// alone follows it altogether.
   double least_residual_share = 0.2;
-  double least_of_median = 0.5;  ///< phase variance of a sub-band over the median one
-  double most_of_one = 9.0;      ///< square of a deviation in standard deviations: robust against disturbed impacts
 };
 
 BOUNCELAB_MODEL TemplateModel kTemplate;
