@@ -82,7 +82,7 @@ struct ContactFit {
 /// Duration of contact tau = tau_1 v^(-1/5) (Hertz).
 struct ContactLaw {
   double tau_1_s = 0.0;         ///< at 1 m/s
-  double sigma_s = 0.0;         ///< its standard error
+  double sigma_s = 0.0;         ///< its standard error for a Hertzian pulse
   bool is_significant = false;  ///< the recording alone gives it at four standard errors
 };
 

@@ -247,6 +247,7 @@ ImpactFit ImpactTimer::fit_of(const FitWindow& window, const Correlation& produc
   // what an impact has of its own rings when the template does: it is all in the few samples that hold the energy
   const double quiet = std::min(1.0, noise_);
   const double rest = residual_in_product(window, r);
+  fit.rest = std::max(fit.residual_variance, rest);
   fit.disturbance = quiet + std::max(0.0, rest - quiet) * std::max(1.0, n_of(window) / learned_.n_effective);
   // The sub-bands' noise was estimated where louder impacts still rang: the residual here may show that it is less. A
   // codec leaves next to nothing between impacts, and errors of its own within them, which only the residual shows.

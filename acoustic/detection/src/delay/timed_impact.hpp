@@ -28,8 +28,8 @@ struct DelayModel {
   double outlier_centre = 0.95;
   double outlier_reach = 0.22;
 
-  // what is found there: log likelihood ratio over the residual variance. In the ringing of another impact the residual
-  // is not white; one between two impacts needs less than one beyond the end
+  // what is found there: log likelihood ratio over ImpactFit::rest; one between two impacts needs less than one beyond
+  // the end
   double least_in_gap = 2.0;
   double least_of_outlier = 6.0;
   double fewest_cycles = 3.0;  ///< of the template; nearer impacts cannot be separated from its ringing
@@ -70,6 +70,7 @@ struct ImpactFit {
   double amplitude = 0.0;                     ///< in units of the template
   double log_likelihood_ratio = 0.0;          ///< against no impact there, noise variance 1
   double residual_variance = 0.0;             ///< mean square of what the template does not explain, noise = 1
+  double rest = 0.0;                          ///< the same, or at the template's frequencies where that is more
   double disturbance = 1.0;                   ///< variance of noise and unexplained sound where the template is
   double noise = 1.0;                         ///< residual noise variance after whitening (1 if perfect); at least 1
   double correlation = 0.0;                   ///< of the sound with the template, 0 ... 1

@@ -70,12 +70,12 @@ struct Prediction {
   double after_s = 0.0;  // from the last impact
   double reach_s = 0.0;
   double until_s = 0.0;        // sound from here on belongs to the next impact
-  double min_llr_ratio = 0.0;  // log likelihood ratio over residual variance
+  double min_llr_ratio = 0.0;  // log likelihood ratio over what is left
 };
 
 /// Whether the template supports an impact about as loud as its neighbour.
 /// @param n_lags         of the search that found it
-/// @param min_llr_ratio  least log likelihood ratio over residual variance
+/// @param min_llr_ratio  least log likelihood ratio over what is left
 bool is_supported(const ImpactTimer& timer, const TimedImpact& impact, const TimedImpact& neighbour, double n_lags,
                   double min_llr_ratio) {
   const double ratio = impact.fit.amplitude / neighbour.fit.amplitude;
@@ -86,7 +86,7 @@ bool is_supported(const ImpactTimer& timer, const TimedImpact& impact, const Tim
   // within the neighbour's ringing the noise was estimated from just that, for which min_llr_ratio stands
   const bool is_isolated = impact.fit.t_s - neighbour.fit.t_s > timer.template_s();
   return impact.fit.log_likelihood_ratio > least_llr * (is_isolated ? impact.fit.noise : 1.0) &&
-         impact.fit.log_likelihood_ratio > min_llr_ratio * impact.fit.residual_variance;
+         impact.fit.log_likelihood_ratio > min_llr_ratio * impact.fit.rest;
 }
 
 /// Searches for an impact without candidate, and appends it where it is supported.
@@ -103,8 +103,8 @@ bool search_missing(TimedTrack& track, const Prediction& p) {
   impact.inferred = true;
   impact.overlap = p.until_s - t_s < track.timer.template_s();
   if (!is_supported(track.timer, impact, last, n_lags, p.min_llr_ratio)) return false;
-  impact.probability = probability_of_inferred(
-      impact.fit.log_likelihood_ratio / std::max(impact.fit.noise, impact.fit.residual_variance), n_lags);
+  impact.probability =
+      probability_of_inferred(impact.fit.log_likelihood_ratio / std::max(impact.fit.noise, impact.fit.rest), n_lags);
   track.append(impact);
   return true;
 }

@@ -19,8 +19,8 @@ namespace {
 constexpr int kJitterRounds = 8;
 constexpr double kLittle = 2e-3;  // relative change of each jitter; 32 impacts determine one to 12 %
 
-/// Jitter at which half of the squared deviations of one sub-band, each over its expected value, are below the median of
-/// chi-squared: impacts in the ringing of others, fewer than half, do not count for what the rest show.
+/// Jitter at which half of the squared deviations of one sub-band, each over its expected value, are below the median
+/// of chi-squared: impacts in the ringing of others, fewer than half, do not count for what the rest show.
 /// @param squares  over the share of its variance that a deviation keeps
 double jitter_of(const std::vector<double>& squares, const std::vector<double>& noise) {
   constexpr double kMedianOfChi2 = 0.455;  // with one degree of freedom
