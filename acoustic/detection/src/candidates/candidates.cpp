@@ -87,8 +87,9 @@ float log_ratio_of_scatters() {
 }
 
 /// @param power, share  of octave 0 of b; those of octave k lie k n_all further on
-void weigh_row(const BandEnergies& first, const float* __restrict power, const float* __restrict share,
-               std::size_t n_all, float log_ratio, float* __restrict weights, std::size_t n) {
+BOUNCELAB_VECTOR_CLONES void weigh_row(const BandEnergies& first, const float* __restrict power,
+                                       const float* __restrict share, std::size_t n_all, float log_ratio,
+                                       float* __restrict weights, std::size_t n) {
   const BandEnergies a = first;
   for (std::size_t j = 0; j < n; ++j) {
     const float log_odds = log_odds_of_same_source(
@@ -410,13 +411,13 @@ CandidatesOfSound find_candidates(const audio::AudioSource& sound, const ArModel
   const auto hop = std::max<std::int64_t>(1, std::llround(kCandidates.hop_s * sound.rate_hz));
   const std::int64_t n_all = sound.n_samples / hop;
   std::vector<CandidatesOfSound> of_blocks(static_cast<std::size_t>((n_all + kBlockHops - 1) / kBlockHops));
+  const BandEnergyMeter meter(sound.rate_hz);
   std::mutex reporting;
   std::int64_t n_done = 0;
   parallel_for(of_blocks.size(), n_threads, [&](std::size_t block) {
     const std::int64_t first = static_cast<std::int64_t>(block) * kBlockHops;
     const std::int64_t n_hops = std::min(kBlockHops, n_all - first);
     const InnovationEnergy energy(sound, model, hop, first - kMarginHops, n_hops + 2 * kMarginHops);
-    const BandEnergyMeter meter(sound.rate_hz);
     CandidatesOfSound& found = of_blocks[block];
     found.candidates = find_in_block(energy, first, n_hops);
     for (const Candidate& candidate : found.candidates)
