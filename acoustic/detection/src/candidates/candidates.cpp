@@ -203,10 +203,13 @@ class InnovationEnergy {
       innovations_of(this->sound(lo - n_predicting, hi - lo + n_predicting), model,
                      std::span(innovations_).subspan(lo - first, hi - lo));
     const float* x = innovations_.data();
+    const double floor_of_hop = floor_ * static_cast<double>(hop);
+    double sum = 0.0;
+    running_.resize(static_cast<std::size_t>(n_hops) + 1);
     for (std::int64_t k = 0; k < n_hops; ++k) {
       float energy = 0.0F;
       for (std::int64_t j = 0; j < hop; ++j) energy += energy_of(*x++);
-      running_.push_back(running_.back() + (static_cast<double>(energy) + floor_ * static_cast<double>(hop)));
+      running_[static_cast<std::size_t>(k) + 1] = sum += static_cast<double>(energy) + floor_of_hop;
     }
   }
 
@@ -214,9 +217,8 @@ class InnovationEnergy {
   double quiet_variance() const { return quiet_variance_; }
   std::int64_t hop() const { return hop_; }
 
-  double of_hops(std::int64_t from, std::int64_t to) const {
-    return running_[static_cast<std::size_t>(to - first_hop_)] - running_[static_cast<std::size_t>(from - first_hop_)];
-  }
+  /// Of the hops before this one; behind it those of the hops that follow.
+  const double* before_hop(std::int64_t hop) const { return running_.data() + (hop - first_hop_); }
   /// Of samples first ... last - 1; whole hops by their running sum.
   double of_samples(std::int64_t first, std::int64_t last) const { return before_sample(last) - before_sample(first); }
 
@@ -254,7 +256,7 @@ class InnovationEnergy {
   std::int64_t sound_first_;  // from which the first innovation is predicted
   std::vector<float> sound_;
   std::vector<float> innovations_;
-  std::vector<double> running_{0.0};
+  std::vector<double> running_;
 };
 
 constexpr std::int64_t kBlockHops = 1 << 13;
@@ -349,8 +351,9 @@ std::vector<Rise> find_rises(const InnovationEnergy& energy, std::int64_t first,
                              std::int64_t after_hops) {
   const auto n_after = static_cast<double>(after_hops * energy.hop());
   const double n_before = CandidateModel::kBeforeFactor * n_after;
-  const auto after = [&](std::int64_t k) { return CandidateModel::kBeforeFactor * energy.of_hops(k, k + after_hops); };
-  const auto before = [&](std::int64_t k) { return energy.of_hops(k - CandidateModel::kBeforeFactor * after_hops, k); };
+  const double* const sums = energy.before_hop(first);  // k is counted from there
+  const auto after = [=](std::int64_t k) { return CandidateModel::kBeforeFactor * (sums[k + after_hops] - sums[k]); };
+  const auto before = [=](std::int64_t k) { return sums[k] - sums[k - CandidateModel::kBeforeFactor * after_hops]; };
   std::vector<Rise> found;
   const auto add_if_highest = [&](std::int64_t k) {
     const double ratio = after(k) / before(k);
@@ -358,10 +361,10 @@ std::vector<Rise> find_rises(const InnovationEnergy& energy, std::int64_t first,
     const auto is_higher = [&](std::int64_t j) { return !(after(j) / before(j) <= ratio); };
     for (std::int64_t apart = 1; apart <= CandidateModel::kApartHops; ++apart)  // on a slope the nearest tells
       if (is_higher(k - apart) || is_higher(k + apart)) return;
-    found.push_back({k, rise_ratio(n_before, n_before, ratio * n_after, n_after)});
+    found.push_back({first + k, rise_ratio(n_before, n_before, ratio * n_after, n_after)});
   };
   const double least = threshold_rise(n_after);
-  for (std::int64_t k = first; k < first + n_hops; ++k)
+  for (std::int64_t k = 0; k < n_hops; ++k)
     if (after(k) >= least * before(k)) add_if_highest(k);
   return found;
 }
