@@ -13,6 +13,8 @@
 #include <utility>
 #include <vector>
 
+#include "bouncelab/core/elementary.hpp"
+
 namespace bouncelab::audio {
 namespace {
 
@@ -144,6 +146,30 @@ void convert(const std::byte* __restrict from, std::span<float> out, const Value
   }
 }
 
+float from_24_bits(std::uint32_t upper) { return static_cast<float>(static_cast<std::int32_t>(upper)) * 0x1p-31F; }
+
+/// Samples of 24 bits, four of which are three words: four times as fast as one by one.
+/// @param n  a multiple of four
+BOUNCELAB_VECTOR_CLONES void convert_fours(const std::byte* __restrict from, float* __restrict out, std::size_t n) {
+  for (std::size_t k = 0; k < n; k += 4) {
+    std::uint32_t a, b, c;
+    std::memcpy(&a, from + 3 * k, sizeof a);
+    std::memcpy(&b, from + 3 * k + 4, sizeof b);
+    std::memcpy(&c, from + 3 * k + 8, sizeof c);
+    out[k] = from_24_bits(a << 8U);
+    out[k + 1] = from_24_bits((a >> 24U << 8U) | b << 16U);
+    out[k + 2] = from_24_bits((b >> 16U << 8U) | c << 24U);
+    out[k + 3] = from_24_bits(c >> 8U << 8U);
+  }
+}
+
+/// @param from  followed by a byte more
+void convert_24_bits(const std::byte* from, std::span<float> out) {
+  const std::size_t n = out.size() - out.size() % 4;
+  convert_fours(from, out.data(), n);
+  convert<std::uint32_t, 3>(from + 3 * n, out.subspan(n), [](std::uint32_t x) { return from_24_bits(x << 8U); });
+}
+
 /// @param from  followed by a byte more
 void convert(int coding, const std::byte* from, std::span<float> out) {
   switch (coding & SF_FORMAT_SUBMASK) {
@@ -152,8 +178,7 @@ void convert(int coding, const std::byte* from, std::span<float> out) {
     case SF_FORMAT_PCM_16:
       return convert<std::int16_t>(from, out, [](int x) { return static_cast<float>(x) * 0x1p-15F; });
     case SF_FORMAT_PCM_24:
-      return convert<std::uint32_t, 3>(
-          from, out, [](std::uint32_t x) { return static_cast<float>(static_cast<std::int32_t>(x << 8U)) * 0x1p-31F; });
+      return convert_24_bits(from, out);
     case SF_FORMAT_PCM_32:
       return convert<std::int32_t>(from, out, [](std::int32_t x) { return static_cast<float>(x) * 0x1p-31F; });
     case SF_FORMAT_DOUBLE:
