@@ -63,22 +63,30 @@ Workspace& workspace_for(std::size_t n) {
 
 constexpr std::size_t kRoomToPlan = 1 << 22;  // floats, 16 MB: other threads may take most of it meanwhile
 
-/// Bins 1 ... h - 1 of n = 2 h real samples x from those of the complex z[j] = x[2j] + i x[2j+1], of length h:
+BOUNCELAB_VECTOR_CLONES void split(const float* __restrict z, std::size_t h, float* __restrict re,
+                                   float* __restrict im) {
+  for (std::size_t k = 0; k < h; ++k) {
+    re[k] = z[2 * k];
+    im[k] = z[2 * k + 1];
+  }
+}
+
+/// Bins 1 ... h - 1 of n = 2 h real samples x from those of the complex z[j] = x[2j] + i x[2j+1], of length h, a + i b:
 ///   X[k] = (Z[k] + Z*[h-k]) / 2 - i exp(-2 pi i k / n) (Z[k] - Z*[h-k]) / 2
-void unpack(const float* __restrict z, const RealFft::Plan& plan, float scale, std::size_t h, float* __restrict re,
-            float* __restrict im) {
+BOUNCELAB_VECTOR_CLONES void unpack(const float* __restrict a, const float* __restrict b, const RealFft::Plan& plan,
+                                    float scale, std::size_t h, float* __restrict re, float* __restrict im) {
   const float *const c = plan.cosine.data(), *const s = plan.sine.data();
   for (std::size_t k = 1; k < h; ++k) {
-    const float a = z[2 * k], b = z[2 * k + 1], a_mirrored = z[2 * (h - k)], b_mirrored = z[2 * (h - k) + 1];
-    const float even_re = a + a_mirrored, even_im = b - b_mirrored, odd_re = b + b_mirrored, odd_im = a_mirrored - a;
+    const float even_re = a[k] + a[h - k], even_im = b[k] - b[h - k];
+    const float odd_re = b[k] + b[h - k], odd_im = a[h - k] - a[k];
     re[k] = 0.5F * scale * (even_re + c[k] * odd_re + s[k] * odd_im);
     im[k] = 0.5F * scale * (even_im + c[k] * odd_im - s[k] * odd_re);
   }
 }
 
 /// The other way round, without division by n: Z[k] = X[k] + X*[h-k] + i exp(2 pi i k / n) (X[k] - X*[h-k])
-void pack(const float* __restrict re, const float* __restrict im, const RealFft::Plan& plan, float scale, std::size_t h,
-          float* __restrict z) {
+BOUNCELAB_VECTOR_CLONES void pack(const float* __restrict re, const float* __restrict im, const RealFft::Plan& plan,
+                                  float scale, std::size_t h, float* __restrict z) {
   const float *const c = plan.cosine.data(), *const s = plan.sine.data();
   for (std::size_t k = 1; k < h; ++k) {
     const float even_re = re[k] + re[h - k], even_im = im[k] - im[h - k];
@@ -132,7 +140,8 @@ void RealFft::forward(std::span<const float> x, Spectrum& spectrum) const {
   spectrum.re.resize(h + 1);
   spectrum.im.resize(h + 1);
   const auto scale = static_cast<float>(std::sqrt(2.0 / static_cast<double>(n_)));
-  unpack(work.bins, *plan_, scale, h, spectrum.re.data(), spectrum.im.data());
+  split(work.bins, h, work.samples, work.samples + h);
+  unpack(work.samples, work.samples + h, *plan_, scale, h, spectrum.re.data(), spectrum.im.data());
   spectrum.re[0] = spectrum.im[0] = spectrum.re[h] = spectrum.im[h] = 0.0F;
 }
 
@@ -210,7 +219,7 @@ Spectrum of_size(std::size_t n) { return {std::vector<float>(n), std::vector<flo
 
 }  // namespace
 
-Spectrum phase_shifted(const Spectrum& a, double angle) {
+BOUNCELAB_VECTOR_CLONES Spectrum phase_shifted(const Spectrum& a, double angle) {
   Spectrum out = of_size(a.size());
   const float *const re = a.re.data(), *const im = a.im.data();
   const auto value = [=](std::size_t k, float& x, float& y) { x = re[k], y = im[k]; };
@@ -218,7 +227,7 @@ Spectrum phase_shifted(const Spectrum& a, double angle) {
   return out;
 }
 
-Spectrum product_conj(const Spectrum& a, const Spectrum& b, std::size_t n, double angle) {
+BOUNCELAB_VECTOR_CLONES Spectrum product_conj(const Spectrum& a, const Spectrum& b, std::size_t n, double angle) {
   Spectrum out = of_size(n);
   const float *const ar = a.re.data(), *const ai = a.im.data(), *const br = b.re.data(), *const bi = b.im.data();
   const auto value = [=](std::size_t k, float& x, float& y) {
@@ -229,7 +238,7 @@ Spectrum product_conj(const Spectrum& a, const Spectrum& b, std::size_t n, doubl
   return out;
 }
 
-Spectrum product_conj(const Spectrum& a, const Spectrum& b) {
+BOUNCELAB_VECTOR_CLONES Spectrum product_conj(const Spectrum& a, const Spectrum& b) {
   Spectrum out = of_size(std::min(a.size(), b.size()));
   for (std::size_t k = 0; k < out.size(); ++k) {
     out.re[k] = a.re[k] * b.re[k] + a.im[k] * b.im[k];

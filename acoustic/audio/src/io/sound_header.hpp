@@ -8,6 +8,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "bouncelab/audio/sound_file.hpp"
 #include "bouncelab/core/error.hpp"
@@ -106,19 +107,18 @@ class NotForLibsndfile : public FileError {
   std::string reason;
 };
 
-/// Plain samples, read in place: libsndfile is told what they are, and sees nothing of the file's header, which may be
-/// damaged.
+/// Plain samples, read in place.
 class PlainSamples {
  public:
-  PlainSamples(const FileBytes& bytes, const PlainSound& sound);
+  PlainSamples(FileBytes bytes, PlainSound sound) : bytes_(std::move(bytes)), sound_(std::move(sound)) {}
 
   /// Interleaved frames from `first` on, all of them inside the sound; from any thread.
   /// @throws FileError where the file ends early or cannot be read
-  void read(std::int64_t first, std::span<float> interleaved);
+  void read(std::int64_t first, std::span<float> interleaved) const;
 
  private:
-  struct State;
-  std::shared_ptr<State> state_;
+  FileBytes bytes_;
+  PlainSound sound_;
 };
 
 /// Coded sound from its begin to its end: no limit on time and memory, which a damaged file may use up, so that

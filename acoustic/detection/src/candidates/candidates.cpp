@@ -87,8 +87,9 @@ float log_ratio_of_scatters() {
 }
 
 /// @param power, share  of octave 0 of b; those of octave k lie k n_all further on
-void weigh_row(const BandEnergies& first, const float* __restrict power, const float* __restrict share,
-               std::size_t n_all, float log_ratio, float* __restrict weights, std::size_t n) {
+BOUNCELAB_VECTOR_CLONES void weigh_row(const BandEnergies& first, const float* __restrict power,
+                                       const float* __restrict share, std::size_t n_all, float log_ratio,
+                                       float* __restrict weights, std::size_t n) {
   const BandEnergies a = first;
   for (std::size_t j = 0; j < n; ++j) {
     const float log_odds = log_odds_of_same_source(
@@ -202,10 +203,13 @@ class InnovationEnergy {
       innovations_of(this->sound(lo - n_predicting, hi - lo + n_predicting), model,
                      std::span(innovations_).subspan(lo - first, hi - lo));
     const float* x = innovations_.data();
+    const double floor_of_hop = floor_ * static_cast<double>(hop);
+    double sum = 0.0;
+    running_.resize(static_cast<std::size_t>(n_hops) + 1);
     for (std::int64_t k = 0; k < n_hops; ++k) {
       float energy = 0.0F;
       for (std::int64_t j = 0; j < hop; ++j) energy += energy_of(*x++);
-      running_.push_back(running_.back() + (static_cast<double>(energy) + floor_ * static_cast<double>(hop)));
+      running_[static_cast<std::size_t>(k) + 1] = sum += static_cast<double>(energy) + floor_of_hop;
     }
   }
 
@@ -213,9 +217,8 @@ class InnovationEnergy {
   double quiet_variance() const { return quiet_variance_; }
   std::int64_t hop() const { return hop_; }
 
-  double of_hops(std::int64_t from, std::int64_t to) const {
-    return running_[static_cast<std::size_t>(to - first_hop_)] - running_[static_cast<std::size_t>(from - first_hop_)];
-  }
+  /// Of the hops before this one; behind it those of the hops that follow.
+  const double* before_hop(std::int64_t hop) const { return running_.data() + (hop - first_hop_); }
   /// Of samples first ... last - 1; whole hops by their running sum.
   double of_samples(std::int64_t first, std::int64_t last) const { return before_sample(last) - before_sample(first); }
 
@@ -253,7 +256,7 @@ class InnovationEnergy {
   std::int64_t sound_first_;  // from which the first innovation is predicted
   std::vector<float> sound_;
   std::vector<float> innovations_;
-  std::vector<double> running_{0.0};
+  std::vector<double> running_;
 };
 
 constexpr std::int64_t kBlockHops = 1 << 13;
@@ -348,8 +351,9 @@ std::vector<Rise> find_rises(const InnovationEnergy& energy, std::int64_t first,
                              std::int64_t after_hops) {
   const auto n_after = static_cast<double>(after_hops * energy.hop());
   const double n_before = CandidateModel::kBeforeFactor * n_after;
-  const auto after = [&](std::int64_t k) { return CandidateModel::kBeforeFactor * energy.of_hops(k, k + after_hops); };
-  const auto before = [&](std::int64_t k) { return energy.of_hops(k - CandidateModel::kBeforeFactor * after_hops, k); };
+  const double* const sums = energy.before_hop(first);  // k is counted from there
+  const auto after = [=](std::int64_t k) { return CandidateModel::kBeforeFactor * (sums[k + after_hops] - sums[k]); };
+  const auto before = [=](std::int64_t k) { return sums[k] - sums[k - CandidateModel::kBeforeFactor * after_hops]; };
   std::vector<Rise> found;
   const auto add_if_highest = [&](std::int64_t k) {
     const double ratio = after(k) / before(k);
@@ -357,10 +361,10 @@ std::vector<Rise> find_rises(const InnovationEnergy& energy, std::int64_t first,
     const auto is_higher = [&](std::int64_t j) { return !(after(j) / before(j) <= ratio); };
     for (std::int64_t apart = 1; apart <= CandidateModel::kApartHops; ++apart)  // on a slope the nearest tells
       if (is_higher(k - apart) || is_higher(k + apart)) return;
-    found.push_back({k, rise_ratio(n_before, n_before, ratio * n_after, n_after)});
+    found.push_back({first + k, rise_ratio(n_before, n_before, ratio * n_after, n_after)});
   };
   const double least = threshold_rise(n_after);
-  for (std::int64_t k = first; k < first + n_hops; ++k)
+  for (std::int64_t k = 0; k < n_hops; ++k)
     if (after(k) >= least * before(k)) add_if_highest(k);
   return found;
 }
@@ -410,13 +414,13 @@ CandidatesOfSound find_candidates(const audio::AudioSource& sound, const ArModel
   const auto hop = std::max<std::int64_t>(1, std::llround(kCandidates.hop_s * sound.rate_hz));
   const std::int64_t n_all = sound.n_samples / hop;
   std::vector<CandidatesOfSound> of_blocks(static_cast<std::size_t>((n_all + kBlockHops - 1) / kBlockHops));
+  const BandEnergyMeter meter(sound.rate_hz);
   std::mutex reporting;
   std::int64_t n_done = 0;
   parallel_for(of_blocks.size(), n_threads, [&](std::size_t block) {
     const std::int64_t first = static_cast<std::int64_t>(block) * kBlockHops;
     const std::int64_t n_hops = std::min(kBlockHops, n_all - first);
     const InnovationEnergy energy(sound, model, hop, first - kMarginHops, n_hops + 2 * kMarginHops);
-    const BandEnergyMeter meter(sound.rate_hz);
     CandidatesOfSound& found = of_blocks[block];
     found.candidates = find_in_block(energy, first, n_hops);
     for (const Candidate& candidate : found.candidates)

@@ -207,12 +207,14 @@ DelayEstimate ImpactTimer::estimate_in(const FitWindow& window, double shift) co
   return r;
 }
 
-ImpactFit ImpactTimer::time(double t_s, double reach_s, double until_s) {
+ImpactFit ImpactTimer::time(double t_s, double reach_s, double until_s, double least) {
+  constexpr double kMostBetweenSteps = 2.0;  // of the ratio, a quarter of a sample off at the Nyquist frequency
   const std::int64_t start = samples(t_s, sound_) - static_cast<std::int64_t>(learned_.contact_index);
   const std::int64_t end = samples(until_s, sound_) - samples(reach_s, sound_);
   const double reach = reach_s * sound_.rate_hz + 2.0;
   FitWindow window = cut(start, end);
   Correlation products = correlation_in(window, -reach, reach);
+  if (kMostBetweenSteps * products.highest().log_likelihood_ratio < least) return {};
   for (int again = 0; again < kMaxCuts && std::abs(products.highest().shift) > kTemplate.recut_samples; ++again) {
     // the window's edge has cut what is far off: the peaks have to be found anew
     window = cut(window.first + std::llround(products.highest().shift), end);

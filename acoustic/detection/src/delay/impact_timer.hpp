@@ -62,7 +62,8 @@ class ImpactTimer {
 
   /// The most likely impact within reach_s of t_s, whether or not there is one (log_likelihood_ratio).
   /// @param until_s  sound from here on belongs to the next impact
-  ImpactFit time(double t_s, double reach_s, double until_s);
+  /// @param least    log likelihood ratio; where there is less in the window from t_s on, nothing is returned
+  ImpactFit time(double t_s, double reach_s, double until_s, double least = 0.0);
   /// The same by several windows where the reach is wider than step_s(): one that begins after an impact misses its
   /// strongest part.
   ImpactFit search(double t_s, double reach_s, double until_s);

@@ -178,7 +178,9 @@ ImpactFit find_everywhere(ImpactTimer& timer, double rise_s, const ImpactFit& ne
   ImpactFit far = near;
   const double step_s = timer.step_s();
   for (double t_s = from_s; t_s < to_s; t_s += step_s) {  // each place lies behind the beginning of one window
-    ImpactFit fit = timer.time(t_s, std::min(step_s, to_s - t_s), until_s);
+    // of no other place than could be merged
+    const double least = far.log_likelihood_ratio - kDelay.unambiguous * far.disturbance;
+    ImpactFit fit = timer.time(t_s, std::min(step_s, to_s - t_s), until_s, least);
     std::erase_if(fit.alternatives, [&](const DelayHypothesis& h) { return h.t_s < from_s; });
     if (fit.t_s >= from_s) far = merged(far, fit, same_s);
   }

@@ -18,7 +18,7 @@ constexpr double kMaxStep = 1.0;          // samples; half a cycle at the highes
 
 /// sum of |x|^2 times weights.
 /// @param running  sums of the weights, n + 1
-double weighted_power(const double* running, const float* re, const float* im, std::size_t n) {
+BOUNCELAB_VECTOR_CLONES double weighted_power(const double* running, const float* re, const float* im, std::size_t n) {
   double sum = 0.0;
   for (std::size_t k = 0; k < n; ++k)
     sum += (running[k + 1] - running[k]) * static_cast<double>(re[k] * re[k] + im[k] * im[k]);
@@ -33,7 +33,8 @@ struct SubbandSums {
   std::array<double, kMaxSubbands> quadrature{};
 };
 
-SubbandSums sums_at(double shift, const MatchedFilter& filter, const Subbands& subbands, const audio::Spectrum& sound) {
+BOUNCELAB_VECTOR_CLONES SubbandSums sums_at(double shift, const MatchedFilter& filter, const Subbands& subbands,
+                                            const audio::Spectrum& sound) {
   const std::size_t n = std::min(filter.n_filled(), sound.size());
   const audio::Spectrum products = audio::product_conj(filter.spectrum(), sound, n, filter.omega() * shift);
   SubbandSums sums;
