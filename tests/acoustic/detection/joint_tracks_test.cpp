@@ -64,25 +64,50 @@ TEST(JointTracks, TwoBallsAtOnceAreTracksOfTheirOwnImpacts) {
   }
 }
 
+TEST(JointTracks, BallsWhoseImpactsCrossKeepTheirOwn) {
+  // their flights are nearly the same, so that for several impacts in a row each is where the other's echo may be
+  Shares shares;
+  for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
+    Random random(seed, RandomStream::test, 15);
+    const auto ball = [&](double first_s, double first_flight_s, double eps, std::uint64_t of) {
+      return test::candidates_of({.first_s = first_s,
+                                  .first_flight_s = first_flight_s,
+                                  .eps = eps,
+                                  .n_impacts = 20,
+                                  .eps_scatter = 0.001,
+                                  .loudness_scatter = 0.1},
+                                 Random(seed, RandomStream::test, of));
+    };
+    const double later_s = 0.02 + 0.04 * random.uniform();
+    shares.add(ball(1.0, 0.27, 0.97, 16), ball(1.0 + later_s, 0.262, 0.97, 17));
+  }
+  EXPECT_GT(shares.right, 0.97 * shares.all);
+  EXPECT_LT(shares.wrong, 0.01 * shares.all);
+}
+
 TEST(JointTracks, ThreeBallsAreThree) {
   const std::vector<Candidate> all = test::joined(
       test::joined(rough_ball(1.0, 0.5, 0.8, 1), rough_ball(1.21, 0.62, 0.87, 2)), rough_ball(1.33, 0.4, 0.75, 3));
   EXPECT_EQ(find_tracks(all, test::kTiming_s).size(), 3u);
 }
 
-TEST(JointTracks, EchoesAndRattlesOfALoosePlateAreNoSecondBall) {
+TEST(JointTracks, EchoesReflectionsAndRattlesAreNoSecondBall) {
   std::size_t n_second = 0;
   for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
     Random random(seed, RandomStream::test, 13);
     const std::vector<Candidate> ball = rough_ball(1.0, 0.5, 0.82, seed);
-    std::vector<Candidate> echoes, rattles;
+    std::vector<Candidate> echoes, rattles, reflections;  // one of several, another time another
     for (std::size_t k = 0; k + 1 < ball.size(); ++k) {
       const double flight_s = ball[k + 1].t_s - ball[k].t_s;
       echoes.push_back(test::candidate(ball[k].t_s + 12e-3, 0.6 * ball[k].amplitude));
       rattles.push_back(test::candidate(ball[k].t_s + (0.03 + 0.3 * random.uniform()) * flight_s,
                                         1.2 * ball[k].amplitude * std::exp(0.4 * random.normal())));
+      for (const double after_s : {6e-3, 9e-3, 13e-3, 18e-3, 24e-3, 33e-3})
+        if (random.uniform() < 0.7)
+          reflections.push_back(test::candidate(ball[k].t_s + after_s + 0.5e-3 * random.normal(),
+                                                0.4 * ball[k].amplitude * std::exp(0.4 * random.normal())));
     }
-    for (const auto& others : {echoes, rattles}) {
+    for (const auto& others : {echoes, rattles, reflections}) {
       const std::vector<Candidate> all = test::joined(ball, others);
       const std::vector<Track> tracks = find_tracks(all, test::kTiming_s);
       n_second += tracks.size() - 1;

@@ -118,6 +118,16 @@ TEST(Rhythm, DensitiesOverTimeAndLoudnessIntegrateToAboutOne) {
   }
 }
 
+TEST(Loudness, IsExpectedByThePowerOfSpeedThatTheTrackShows) {
+  for (const double exponent : {0.5, 3.0}) {
+    Loudness loudness(0.0, 0.0);
+    for (int k = 1; k < 6; ++k) loudness.learn(-0.5 * exponent * k, -0.5 * k);
+    const double next = -0.5 * exponent * 6;
+    const double off = 0.5 * (exponent - kTracking.loudness_exponent);  // by the power that balls have on the mean
+    EXPECT_GT(loudness.density(next, -3.0), 1.1 * loudness.density(next + off, -3.0)) << exponent;
+  }
+}
+
 Neighbours counted(std::size_t k, const std::vector<Candidate>& candidates,
                    const std::vector<std::size_t>& not_counted = {}) {
   std::vector<double> log_amplitudes;

@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -42,13 +43,27 @@ bool have_same_impacts(const Track& a, const Track& b) {
                     [](const TrackImpact& x, const TrackImpact& y) { return x.candidate == y.candidate; });
 }
 
+bool has_impact(const Track& track, const TrackImpact& impact) {
+  return std::any_of(track.impacts.begin(), track.impacts.end(),
+                     [&](const TrackImpact& own) { return own.candidate == impact.candidate; });
+}
+
 std::vector<std::size_t> explained_by_all(const Observations& o, const std::vector<Track>& tracks) {
   return explained_by_others(o, tracks, tracks.size());
 }
 
-/// The longest ball that bounces while one of the others does.
-/// @param explained  sounds that are not its impacts
-std::optional<Track> ball_beside(const Observations& o, const std::vector<std::size_t>& explained,
+/// Impacts of all of them, rising.
+std::vector<std::size_t> impacts_of(const std::vector<Track>& tracks) {
+  std::vector<std::size_t> impacts;
+  for (const Track& track : tracks)
+    for (const TrackImpact& impact : track.impacts) impacts.push_back(impact.candidate);
+  std::sort(impacts.begin(), impacts.end());
+  return impacts;
+}
+
+/// The longest ball that bounces while one of the others does. Its impacts may be what is taken for an echo of others.
+/// @param known  of the others, what is certain
+std::optional<Track> ball_beside(const Observations& o, const std::vector<Track>& known,
                                  const std::vector<Track>& others) {
   double first_s = HUGE_VAL, last_s = -HUGE_VAL;
   for (const Track& other : others) {
@@ -57,7 +72,8 @@ std::optional<Track> ball_beside(const Observations& o, const std::vector<std::s
   }
   std::optional<Track> longest;
   std::size_t most = kFewestAtOnce - 1;
-  for (Track& track : find_balls(o, explained, first_s - kLargestReach_s, last_s + kLargestReach_s)) {
+  for (Track& track : find_balls(o, impacts_of(known), explained_by_all(o, known), first_s - kLargestReach_s,
+                                 last_s + kLargestReach_s)) {
     if (track.impacts.size() <= most || !is_any_during(o, others, track)) continue;
     most = track.impacts.size();
     longest = std::move(track);
@@ -74,7 +90,7 @@ bool settle(const Observations& o, std::vector<Track>& balls) {
     for (std::size_t b = 0; b < balls.size(); ++b) {
       std::vector<Track> others = balls;
       others.erase(others.begin() + static_cast<std::ptrdiff_t>(b));
-      std::optional<Track> anew = ball_beside(o, explained_by_all(o, others), others);
+      std::optional<Track> anew = ball_beside(o, others, others);
       if (!anew) return false;
       has_changed = has_changed || !have_same_impacts(*anew, balls[b]);
       balls[b] = std::move(*anew);
@@ -126,6 +142,32 @@ bool is_echo(std::size_t n_of_shorter, const std::vector<Follower>& followers) {
   });
 }
 
+/// Log odds against clutter that these sounds are some of many reflections: what follows other impacts of the ball by
+/// the same time, as loud beside the impact, may follow this one too.
+/// @param explained  by the track that they are of, and by all others
+double log_odds_of_reflections(const Observations& o, const Track& ball, const std::vector<Follower>& followers,
+                               const std::vector<std::size_t>& explained) {
+  std::vector<Follower> sounds;
+  for (std::size_t n = 0; n < ball.impacts.size(); ++n) {
+    const Observation& impact = o[ball.impacts[n].candidate];
+    const std::size_t end = n + 1 < ball.impacts.size() ? ball.impacts[n + 1].candidate : o.size();
+    for (std::size_t k = ball.impacts[n].candidate + 1; k < end && o[k].t_s - impact.t_s < kTracking.echo_s; ++k)
+      sounds.push_back({k, o[k].t_s - impact.t_s, 0.0, o[k].log_amplitude - impact.log_amplitude});
+  }
+  double log_odds = 0.0;
+  for (const Follower& f : followers) {
+    if (f.after_s > kTracking.echo_s) continue;
+    double sum = 0.0;
+    for (const Follower& other : sounds)
+      if (other.candidate != f.candidate)
+        sum += 0.5 * (student3(other.after_s - f.after_s, kTracking.timing_of_echo_s) + 1.0 / kTracking.echo_s) *
+               amplitude_kernel(other.log_ratio - f.log_ratio);
+    const double of_clutter = clutter_intensity(o.without(f.candidate, explained).neighbours, f.flight_s);
+    log_odds += log1p(sum / static_cast<double>(ball.impacts.size()) / of_clutter);
+  }
+  return log_odds;
+}
+
 /// Log odds against clutter that the impacts set off these sounds: rattles of a loose plate. They come after a part of
 /// the flight that is distributed exponentially, of any mean, and are louder or fainter than the impacts by one factor
 /// that scatters as loudness does.
@@ -151,12 +193,8 @@ double log_odds_of_rattling(const Observations& o, const std::vector<Follower>& 
 /// Log odds against clutter of a rhythm of all these sounds.
 double log_odds_of_rhythm(const Observations& o, const std::vector<Track>& tracks,
                           const std::vector<std::size_t>& explained) {
-  std::vector<std::size_t> own;
-  for (const Track& track : tracks)
-    for (const TrackImpact& impact : track.impacts) own.push_back(impact.candidate);
-  std::sort(own.begin(), own.end());
   std::vector<Observation> sounds;
-  for (const std::size_t k : own) sounds.push_back(o.without(k, explained));
+  for (const std::size_t k : impacts_of(tracks)) sounds.push_back(o.without(k, explained));
   const auto interval_s = [&](std::size_t n) { return std::max(kShortestFlight_s, sounds[n].t_s - sounds[n - 1].t_s); };
   Rhythm rhythm(log(interval_s(1)), 0.5 * (sounds[0].log_amplitude + sounds[1].log_amplitude));
   std::array<double, kRhythmKinds> sum{};
@@ -173,43 +211,80 @@ double log_odds_of_rhythm(const Observations& o, const std::vector<Track>& track
   return most + kTracking.rhythm_log_odds - kTracking.start_log_odds;
 }
 
+/// Whether sounds of another track are better explained by the impacts of a ball: as their echoes, or as the rattling
+/// of a loose plate.
+/// @param log_odds   of the other track against chance
+/// @param explained  by all balls
+bool are_set_off_by(const Observations& o, const Track& ball, const Track& other, double log_odds,
+                    const std::vector<std::size_t>& explained) {
+  const std::vector<Follower> followers = followers_of(o, ball, other);
+  return is_echo(std::min(ball.impacts.size(), other.impacts.size()), followers) ||
+         std::max(log_odds_of_reflections(o, ball, followers, explained),
+                  log_odds_of_rattling(o, followers, explained)) > log_odds;
+}
+
 /// Sets the log odds of balls at once: each against chance and rhythms, and all together against what else their sounds
 /// may be.
-/// @param tracks  found one by one
-/// @return whether all are more probable than not
-bool are_probable(const Observations& o, const std::vector<Track>& tracks, std::vector<Track>& balls) {
+/// @param tracks    found one by one
+/// @param proposal  the ball that they began with
+/// @return of all together against chance; absent where one is less probable than not
+std::optional<double> log_odds_together(const Observations& o, const std::vector<Track>& tracks, const Track& proposal,
+                                        std::vector<Track>& balls) {
   const std::vector<std::size_t> explained = explained_by_all(o, balls);
   double together = 0.0, one = 0.0, one_by_one = 0.0;
+  Track rest;
   for (std::size_t b = 0; b < balls.size(); ++b) {
     const LogOdds odds = log_odds_of(o, balls[b], explained_by_others(o, balls, b));
-    for (const Track& other : balls) {
-      if (&other == &balls[b]) continue;
-      const std::vector<Follower> followers = followers_of(o, other, balls[b]);
-      const std::size_t n_of_shorter = std::min(other.impacts.size(), balls[b].impacts.size());
-      if (is_echo(n_of_shorter, followers) || log_odds_of_rattling(o, followers, explained) > odds.ball) return false;
-    }
+    for (const Track& other : balls)
+      if (&other != &balls[b] && are_set_off_by(o, other, balls[b], odds.ball, explained)) return {};
     balls[b].log_odds = odds.ball_against_rhythm;
     together += odds.ball;
     one = std::max(one, log_odds_of(o, balls[b], {}).ball);
+    std::copy_if(balls[b].impacts.begin(), balls[b].impacts.end(), std::back_inserter(rest.impacts),
+                 [&](const TrackImpact& impact) { return !has_impact(proposal, impact); });
   }
+  const double less = together - log_odds_of(o, proposal, impacts_of({rest})).ball;
+  if (are_set_off_by(o, proposal, rest, less, explained)) return {};
   for (const Track& track : tracks)
     if (is_any_during(o, balls, track)) one_by_one += std::max(0.0, log_odds_of(o, track, {}).ball);
   const double against = log_of_sum(std::max(one, one_by_one), log_odds_of_rhythm(o, balls, explained));
   for (Track& ball : balls) ball.log_odds = std::min(ball.log_odds, together - against);
-  return std::all_of(balls.begin(), balls.end(), [](const Track& ball) { return ball.log_odds > 0.0; });
+  const bool are_probable =
+      std::all_of(balls.begin(), balls.end(), [](const Track& ball) { return ball.log_odds > 0.0; });
+  return are_probable ? std::optional(together) : std::nullopt;
 }
 
-/// Balls at the same time as this one, and this one.
-std::vector<Track> balls_with(const Observations& o, const std::vector<Track>& tracks, Track first) {
-  std::vector<Track> balls{std::move(first)};
-  while (balls.size() < kMostAtOnce) {
-    const std::vector<std::size_t> explained = explained_by_all(o, balls);
-    std::optional<Track> another = ball_beside(o, explained, balls);
-    if (!another || log_odds_of(o, *another, explained).ball < 0.0) break;
-    std::vector<Track> more = balls;
-    more.push_back(std::move(*another));
-    if (!settle(o, more) || !are_probable(o, tracks, more)) break;
-    balls = std::move(more);
+/// A part of a track: `n` impacts from `first` on.
+Track part_of(const Track& track, std::size_t first, std::size_t n) {
+  const auto begin = track.impacts.begin() + static_cast<std::ptrdiff_t>(first);
+  return {{begin, begin + static_cast<std::ptrdiff_t>(n)}, 0.0};
+}
+
+/// Balls at the same time as this one, and this one: one more as long as a search from one of several starts finds one
+/// and all are more probable with it. Where two balls' impacts cross, the last of them may have taken halves of both:
+/// so either half of it may be wrong.
+std::vector<Track> balls_with(const Observations& o, const std::vector<Track>& tracks, const Track& proposal) {
+  std::vector<Track> balls{proposal};
+  double most = log_odds_of(o, proposal, {}).ball;
+  for (bool has_more = true; has_more && balls.size() < kMostAtOnce;) {
+    has_more = false;
+    const std::vector<Track> before = balls;
+    const Track& last = before.back();
+    const std::size_t half = last.impacts.size() / 2;
+    for (const Track& known : {last, part_of(last, 0, half), part_of(last, half, last.impacts.size() - half)}) {
+      std::vector<Track> others = before;
+      others.back() = known;
+      std::optional<Track> another = ball_beside(o, others, before);
+      if (!another || log_odds_of(o, *another, explained_by_all(o, others)).ball < 0.0) continue;
+      others.back() = last;
+      others.push_back(std::move(*another));
+      if (!settle(o, others)) continue;
+      const std::optional<double> together = log_odds_together(o, tracks, proposal, others);
+      if (!together || *together <= most) continue;
+      most = *together;
+      balls = std::move(others);
+      has_more = true;
+    }
   }
   return balls;
 }
@@ -217,12 +292,12 @@ std::vector<Track> balls_with(const Observations& o, const std::vector<Track>& t
 }  // namespace
 
 void add_balls_at_once(const Observations& o, std::vector<Track>& tracks) {
-  std::vector<Track> proposals = find_balls(o, {});
+  std::vector<Track> proposals = find_balls(o, {}, {});
   std::stable_sort(proposals.begin(), proposals.end(),
                    [](const Track& a, const Track& b) { return a.impacts.size() > b.impacts.size(); });
-  for (Track& proposal : proposals) {
+  for (const Track& proposal : proposals) {
     if (proposal.impacts.size() < kFewestAtOnce || log_odds_of(o, proposal, {}).ball < 0.0) continue;
-    std::vector<Track> balls = balls_with(o, tracks, std::move(proposal));
+    std::vector<Track> balls = balls_with(o, tracks, proposal);
     if (balls.size() == 1) continue;
     std::erase_if(tracks, [&](const Track& track) { return is_any_during(o, balls, track); });
     std::move(balls.begin(), balls.end(), std::back_inserter(tracks));

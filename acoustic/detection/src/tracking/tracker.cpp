@@ -230,15 +230,15 @@ std::optional<double> eps_at(const std::vector<Candidate>& c, const Track& track
   return (c[impacts[k + 1].candidate].t_s - t_s) / (t_s - c[impacts[k - 1].candidate].t_s);
 }
 
-std::vector<Track> find_balls(const Observations& o, const std::vector<std::size_t>& explained, double begin_s,
-                              double end_s) {
+std::vector<Track> find_balls(const Observations& o, const std::vector<std::size_t>& taken,
+                              const std::vector<std::size_t>& explained, double begin_s, double end_s) {
   if (explained.empty() && begin_s == -HUGE_VAL) return Search(o, o.all(), {}, false).run();
   std::vector<std::size_t> left;
   std::vector<Observation> seen;
   const auto first = std::partition_point(o.all().begin(), o.all().end(),
                                           [&](const Observation& sound) { return sound.t_s < begin_s; });
   for (auto k = static_cast<std::size_t>(first - o.all().begin()); k < o.size() && o[k].t_s <= end_s; ++k)
-    if (!std::binary_search(explained.begin(), explained.end(), k)) {
+    if (!std::binary_search(taken.begin(), taken.end(), k)) {
       left.push_back(k);
       seen.push_back(o.without(k, explained));
     }

@@ -55,10 +55,12 @@ std::vector<Track> find_tracks(const std::vector<Candidate>& candidates, double 
 /// cannot be of one source; this says what is.
 double log_odds_of_likeness(const Track& track, const Likeness& likeness);
 
-/// The likeliest balls one after the other in time, among the sounds of a stretch of time that are not explained.
-/// @param explained  indices of candidates, rising
-std::vector<Track> find_balls(const Observations& observations, const std::vector<std::size_t>& explained,
-                              double begin_s = -HUGE_VAL, double end_s = HUGE_VAL);
+/// The likeliest balls one after the other in time, among the sounds of a stretch of time that are not taken.
+/// @param taken      indices of candidates, rising
+/// @param explained  those that chance need not offer: the taken ones and their echoes
+std::vector<Track> find_balls(const Observations& observations, const std::vector<std::size_t>& taken,
+                              const std::vector<std::size_t>& explained, double begin_s = -HUGE_VAL,
+                              double end_s = HUGE_VAL);
 
 /// A track's own sounds and their echoes: chance need not offer them. @return indices, rising
 std::vector<std::size_t> explained_by(const Observations& observations, const Track& track);

@@ -49,9 +49,10 @@ struct TrackingModel {
   double as_loud = 0.5;       ///< of its sounds' amplitudes, from which a sound is like them
   double row_flights = 1.25;  ///< before the first and after the last impact, where a row of other sounds would go on
   double echo_s = 40e-3;      ///< after an impact: what is fainter then is taken for its echo
-  double same_echo_s = 3e-3;  ///< by which the delays of a row of echoes differ at most
-  double rattle_log_odds = -2.0;  ///< of a plate that rattles after a ball's impacts
-  double echo_of_flight = 0.15;   ///< at most: where a flight is short, what follows may be anything
+  double timing_of_echo_s = 0.6e-3;  ///< scatter of its delay
+  double same_echo_s = 3e-3;         ///< by which the delays of a row of echoes differ at most
+  double rattle_log_odds = -2.0;     ///< of a plate that rattles after a ball's impacts
+  double echo_of_flight = 0.15;      ///< at most: where a flight is short, what follows may be anything
 
   /// Log odds by which a lower band must win: one ball in twelve is heard in it only, and the best of three is chosen.
   double lower_band = 2.5;
@@ -129,7 +130,7 @@ inline double largest_log(double x) {
 /// What is known of the loudness of one source: a running mean of its logarithm, which gain control may carry along,
 /// and its scatter with a conjugate prior. The same for balls and rhythms, so that neither is preferred for being even
 /// or uneven; a ball's goes with a power of its speed, of which the exponent is not known well: hard balls have 1, soft
-/// ones, whose slow impacts are long and dull, up to 4.
+/// ones, whose slow impacts are long and dull, up to 4. So it is estimated with the mean, by regression with its prior.
 class Loudness {
  public:
   /// @param mean        log loudness of the first two sounds
@@ -148,19 +149,28 @@ class Loudness {
     const double most = kTracking.most_of_one * width(log_flight);
     const double step = std::clamp(deviation(log_loudness, log_flight), -most, most);
     const double own = std::min(1.0, std::sqrt(variance()) / width(log_flight)) * step;
-    n_sounds_ = std::min(n_sounds_ + 1, kTracking.memory);
-    sum_squares_ = (sum_squares_ + square(own)) * (n_sounds_ < kTracking.memory ? 1.0 : 1.0 - 1.0 / kTracking.memory);
     const double change = log_flight - mean_log_flight_;
-    mean_ += (kTracking.loudness_exponent * change + step) / n_sounds_;
+    const double louder = exponent() * change + step;
+    n_sounds_ = std::min(n_sounds_ + 1, kTracking.memory);
+    const double kept = n_sounds_ < kTracking.memory ? 1.0 : 1.0 - 1.0 / kTracking.memory;
+    const double others = 1.0 - 1.0 / n_sounds_;
+    sum_squares_ = kept * (sum_squares_ + square(own));
+    sum_change2_ = kept * (sum_change2_ + others * square(change));
+    sum_change_louder_ = kept * (sum_change_louder_ + others * change * louder);
+    mean_ += louder / n_sounds_;
     mean_log_flight_ += change / n_sounds_;
   }
 
  private:
   double deviation(double log_loudness, double log_flight) const {
-    return log_loudness - mean_ - kTracking.loudness_exponent * (log_flight - mean_log_flight_);
+    return log_loudness - mean_ - exponent() * (log_flight - mean_log_flight_);
   }
   double width(double log_flight) const {
-    return std::sqrt(variance() + square(kTracking.exponent_scatter * (log_flight - mean_log_flight_)));
+    return std::sqrt(variance() * (1.0 + square(log_flight - mean_log_flight_) / (prior_weight() + sum_change2_)));
+  }
+  double prior_weight() const { return variance() / square(kTracking.exponent_scatter); }
+  double exponent() const {
+    return (prior_weight() * kTracking.loudness_exponent + sum_change_louder_) / (prior_weight() + sum_change2_);
   }
   double variance() const {
     return (kTracking.loudness_weight * square(kTracking.loudness_scatter) + sum_squares_) /
@@ -170,6 +180,7 @@ class Loudness {
   double mean_;
   double mean_log_flight_;
   double sum_squares_ = 0.0;
+  double sum_change2_ = 0.0, sum_change_louder_ = 0.0;  // of log flight, and with that of loudness, about the means
   int n_sounds_ = 2;
 };
 
