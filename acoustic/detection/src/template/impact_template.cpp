@@ -183,7 +183,7 @@ void whiten_residuals(TemplateEstimation& e) {
   for (const TrainingImpact& impact : e.training) {
     const std::vector<float> x = residual_of(e, impact);
     const double energy = audio::dot(x, x) + 1e-30;
-    for (std::size_t lag = 0; lag <= kTemplate.residual_order; ++lag)
+    for (std::size_t lag = 0; lag < std::min(r.size(), x.size()); ++lag)
       r[lag] += audio::dot(x, std::span(x).subspan(lag)) / energy;
   }
   const std::vector<double> a = prediction_error_filter(r);
