@@ -267,9 +267,9 @@ std::vector<float> residual_of(TemplateEstimation& e, const TrainingImpact& impa
   const MatchedFilter& filter = e.learned.filter;
   const std::vector<float> placed =
       e.fourier.inverse(audio::phase_shifted(filter.spectrum(), -filter.omega() * impact.estimate.shift));
-  const auto n_flat = static_cast<std::ptrdiff_t>(e.learned.n_template) - e.samples(kTemplate.taper_s);
-  std::vector<float> x(impact.sound.begin(), impact.sound.begin() + n_flat);
-  for (std::size_t n = 0; n < x.size(); ++n) x[n] -= static_cast<float>(impact.estimate.amplitude) * placed[n];
+  std::vector<float> x(e.learned.n_template);
+  for (std::size_t n = 0; n < x.size(); ++n)
+    x[n] = static_cast<float>(e.taper[n] * impact.sound[n] - impact.estimate.amplitude * placed[n]);
   return x;
 }
 
