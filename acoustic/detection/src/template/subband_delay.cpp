@@ -219,27 +219,41 @@ Correlation::Correlation(const MatchedFilter& filter, const audio::Spectrum& sou
                    products.begin() + highest + 1);
   values_.push_back(-INFINITY);
   top_ = static_cast<std::size_t>(std::max_element(values_.begin(), values_.end()) - values_.begin());
+  double most = peak_at(top_).log_likelihood_ratio;
+  for (std::size_t k = 1; k + 1 < values_.size(); ++k)
+    if (is_peak(k) && peak_at(k).log_likelihood_ratio > most) most = peak_at(k).log_likelihood_ratio, top_ = k;
+}
+
+bool Correlation::is_peak(std::size_t k) const {
+  return values_[k] > 0.0F && values_[k] >= values_[k - 1] && values_[k] >= values_[k + 1];
 }
 
 CorrelationPeak Correlation::peak_at(std::size_t k) const {
-  const double height = std::max(0.0, static_cast<double>(values_[k]));
-  return {0.5 * static_cast<double>(static_cast<std::int64_t>(k) - 1 + lowest_), scale_ * height * height};
+  const double height = std::max(0.0, static_cast<double>(values_[k])), before = values_[k - 1], after = values_[k + 1];
+  CorrelationPeak peak{0.5 * static_cast<double>(static_cast<std::int64_t>(k) - 1 + lowest_), scale_ * square(height)};
+  if (!is_peak(k) || !std::isfinite(before) || !std::isfinite(after)) return peak;
+  // between the steps by the cosine through three values: near the Nyquist frequency the peak is up to 1.4 times as
+  // high
+  const double cosine = 0.5 * (before + after) / height;
+  const double sine2 = 1.0 - square(cosine);
+  if (!(sine2 > 1e-9)) return peak;
+  const double quadrature = 0.5 * (after - before) / std::sqrt(sine2);
+  peak.shift += 0.5 * std::atan2(quadrature, height) / std::acos(cosine);
+  peak.log_likelihood_ratio += scale_ * square(quadrature);
+  return peak;
 }
 
 std::vector<CorrelationPeak> Correlation::peaks() const {
   constexpr std::size_t kMostOthers = 7;
-  std::vector<std::size_t> others;
-  for (std::size_t k = 1; k + 1 < values_.size(); ++k)
-    if (values_[k] > 0.0F && values_[k] >= values_[k - 1] && values_[k] >= values_[k + 1] &&
-        (k > top_ ? k - top_ : top_ - k) > 2)
-      others.push_back(k);
-  const std::size_t n = std::min(others.size(), kMostOthers);
-  std::partial_sort(
-      others.begin(), others.begin() + static_cast<std::ptrdiff_t>(n), others.end(),
-      [&](std::size_t a, std::size_t b) { return std::pair(-values_[a], a) < std::pair(-values_[b], b); });
-  others.resize(n);
   std::vector<CorrelationPeak> found{highest()};
-  for (const std::size_t k : others) found.push_back(peak_at(k));
+  for (std::size_t k = 1; k + 1 < values_.size(); ++k)
+    if (is_peak(k) && (k > top_ ? k - top_ : top_ - k) > 2) found.push_back(peak_at(k));
+  const std::size_t n = std::min(found.size(), 1 + kMostOthers);
+  std::partial_sort(found.begin() + 1, found.begin() + static_cast<std::ptrdiff_t>(n), found.end(),
+                    [](const CorrelationPeak& a, const CorrelationPeak& b) {
+                      return std::pair(-a.log_likelihood_ratio, a.shift) < std::pair(-b.log_likelihood_ratio, b.shift);
+                    });
+  found.resize(n);
   return found;
 }
 

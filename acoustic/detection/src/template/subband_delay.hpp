@@ -159,6 +159,7 @@ class Correlation {
   std::vector<CorrelationPeak> peaks() const;
 
  private:
+  bool is_peak(std::size_t k) const;
   CorrelationPeak peak_at(std::size_t k) const;
 
   std::int64_t lowest_ = 0;    // shift of the second value, in halves of a sample
