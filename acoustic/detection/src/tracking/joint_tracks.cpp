@@ -211,14 +211,25 @@ double log_odds_of_rhythm(const Observations& o, const std::vector<Track>& track
   return most + kTracking.rhythm_log_odds - kTracking.start_log_odds;
 }
 
-/// Whether sounds of another track are better explained by the impacts of a ball: as their echoes, or as the rattling
-/// of a loose plate.
+/// Whether most sounds of the shorter track are next to impacts of the other: a codec puts noise
+/// before an attack, at a time that depends on where its block begins, and tracks of both mix them.
+bool are_beside(const Observations& o, const Track& a, const Track& b) {
+  const auto n_beside = std::count_if(a.impacts.begin(), a.impacts.end(), [&](const TrackImpact& impact) {
+    return std::any_of(b.impacts.begin(), b.impacts.end(), [&](const TrackImpact& other) {
+      return std::abs(o[impact.candidate].t_s - o[other.candidate].t_s) < kTracking.pre_echo_s;
+    });
+  });
+  return 4 * static_cast<std::size_t>(n_beside) >= 3 * std::min(a.impacts.size(), b.impacts.size());
+}
+
+/// Whether sounds of another track are better explained by the impacts of a ball: as their echoes, as noise of a codec,
+/// or as the rattling of a loose plate.
 /// @param log_odds   of the other track against chance
 /// @param explained  by all balls
 bool are_set_off_by(const Observations& o, const Track& ball, const Track& other, double log_odds,
                     const std::vector<std::size_t>& explained) {
   const std::vector<Follower> followers = followers_of(o, ball, other);
-  return is_echo(std::min(ball.impacts.size(), other.impacts.size()), followers) ||
+  return are_beside(o, ball, other) || is_echo(std::min(ball.impacts.size(), other.impacts.size()), followers) ||
          std::max(log_odds_of_reflections(o, ball, followers, explained),
                   log_odds_of_rattling(o, followers, explained)) > log_odds;
 }

@@ -52,6 +52,7 @@ struct TrackingModel {
   double timing_of_echo_s = 0.6e-3;  ///< scatter of its delay
   double same_echo_s = 3e-3;         ///< by which the delays of a row of echoes differ at most
   double rattle_log_odds = -2.0;     ///< of a plate that rattles after a ball's impacts
+  double pre_echo_s = 14e-3;         ///< by which a codec's noise comes before an attack at most
   double echo_of_flight = 0.15;      ///< at most: where a flight is short, what follows may be anything
 
   /// Log odds by which a lower band must win: one ball in twelve is heard in it only, and the best of three is chosen.
