@@ -66,7 +66,11 @@ void simulate_balls(const LoopConfig& config, LoopResult& loop, const StageProgr
 }
 
 void score(BallResult& ball) {
-  ball.score = detection::score_onsets(true_onsets_of(ball.recordings), onsets_of(ball.recordings));
+  std::vector<DetectorScore> scores;
+  for (const RecordingResult& r : ball.recordings)
+    scores.push_back(score_detector(true_times_from_table(synthesis::truth_table(r.truth, r.recording), r.recording),
+                                    r.onsets, r.sound_s, 0.0));
+  ball.score = pooled(scores);
 }
 
 void record_and_detect(BallResult& ball, const DropRecording& recording, int n_threads, const StageProgress& progress) {

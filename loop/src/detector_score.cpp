@@ -8,12 +8,10 @@
 
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/numerics.hpp"
-#include "bouncelab/detection/detect.hpp"
 
 namespace bouncelab::loop {
 namespace {
 
-constexpr std::size_t kJitterTolerance = 2;  // of kTolerances_s: the pairs that errors are taken of
 constexpr double kLargestOffset_s = 50e-3;
 
 std::optional<double> ratio(double numerator, double denominator) {
@@ -31,18 +29,22 @@ double median_size(std::vector<double> values) {
   return median(std::move(values));
 }
 
-std::vector<double> times_of(const Onsets& onsets) {
-  std::vector<double> times;
-  for (const Onset& onset : onsets) times.push_back(onset.t_s);
+/// In order of time, each with its place in the table.
+using Times = std::vector<std::pair<double, std::size_t>>;
+
+Times in_order(const Onsets& onsets) {
+  Times times;
+  for (const Onset& onset : onsets) times.emplace_back(onset.t_s, times.size());
+  std::sort(times.begin(), times.end());
   return times;
 }
 
-/// The most pairs of ascending times within a tolerance, one to one: where the earlier of two has no partner that is
-/// not earlier than the other's, taking pairs as they come loses none.
-std::size_t most_pairs(const std::vector<double>& truth, const std::vector<double>& marked, double tolerance_s) {
+/// The most pairs of times within a tolerance, one to one: where the earlier of two has no partner that is not earlier
+/// than the other's, taking pairs as they come loses none.
+std::size_t most_pairs(const Times& truth, const Times& marked, double tolerance_s) {
   std::size_t n = 0, i = 0, j = 0;
   while (i < truth.size() && j < marked.size()) {
-    const double late_s = marked[j] - truth[i];
+    const double late_s = marked[j].first - truth[i].first;
     if (std::abs(late_s) <= tolerance_s) ++n;
     if (late_s >= -tolerance_s) ++i;
     if (late_s <= tolerance_s) ++j;
@@ -50,13 +52,47 @@ std::size_t most_pairs(const std::vector<double>& truth, const std::vector<doubl
   return n;
 }
 
+struct Pair {
+  double late_s = 0.0;  // marked less true time
+  std::size_t truth = 0, mark = 0;
+};
+
+/// All that lie within a tolerance about an offset.
+std::vector<Pair> pairs_within(const Times& truth, const Times& marked, double offset_s, double tolerance_s) {
+  std::vector<Pair> pairs;
+  auto first = marked.begin();
+  for (const auto& [t_s, k] : truth) {
+    while (first != marked.end() && first->first - offset_s < t_s - tolerance_s) ++first;
+    for (auto it = first; it != marked.end() && it->first - offset_s <= t_s + tolerance_s; ++it)
+      pairs.push_back({it->first - t_s, k, it->second});
+  }
+  return pairs;
+}
+
+/// Of these one to one, the nearest first.
+std::vector<Pair> nearest_pairs(const Times& truth, const Times& marked, double offset_s, double tolerance_s) {
+  std::vector<Pair> all = pairs_within(truth, marked, offset_s, tolerance_s), nearest;
+  std::stable_sort(all.begin(), all.end(), [&](const Pair& a, const Pair& b) {
+    return std::abs(a.late_s - offset_s) < std::abs(b.late_s - offset_s);
+  });
+  std::vector<bool> is_found(truth.size(), false), is_taken(marked.size(), false);
+  for (const Pair& pair : all) {
+    if (is_found[pair.truth] || is_taken[pair.mark]) continue;
+    is_found[pair.truth] = is_taken[pair.mark] = true;
+    nearest.push_back(pair);
+  }
+  return nearest;
+}
+
+std::vector<double> lateness_of(const std::vector<Pair>& pairs) {
+  std::vector<double> late_s;
+  for (const Pair& pair : pairs) late_s.push_back(pair.late_s);
+  return late_s;
+}
+
 /// The latency at which most differences between marked and true times are within the tolerance.
-double commonest_difference(const std::vector<double>& truth, const std::vector<double>& marked, double tolerance_s) {
-  std::vector<double> differences;
-  for (const double t : truth)
-    for (auto it = std::lower_bound(marked.begin(), marked.end(), t - kLargestOffset_s);
-         it != marked.end() && *it <= t + kLargestOffset_s; ++it)
-      differences.push_back(*it - t);
+double commonest_difference(const Times& truth, const Times& marked, double tolerance_s) {
+  std::vector<double> differences = lateness_of(pairs_within(truth, marked, 0.0, kLargestOffset_s));
   std::sort(differences.begin(), differences.end());
   std::size_t first = 0, best_first = 0, most = 0;
   for (std::size_t last = 0; last < differences.size(); ++last) {
@@ -66,28 +102,14 @@ double commonest_difference(const std::vector<double>& truth, const std::vector<
   return most == 0 ? 0.0 : differences[best_first + most / 2];
 }
 
-using Matches = std::vector<std::optional<std::size_t>>;  // for each true time, the index of its mark
-
-Matches matches_about(double offset_s, const Onsets& truth, Onsets marked, double tolerance_s) {
-  for (Onset& mark : marked) mark.t_s -= offset_s;
-  return detection::score_onsets(truth, marked, tolerance_s).match;
-}
-
-std::vector<double> errors_of(const Onsets& truth, const Onsets& marked, const Matches& matches) {
-  std::vector<double> errors;
-  for (std::size_t k = 0; k < truth.size(); ++k)
-    if (matches[k]) errors.push_back(marked[*matches[k]].t_s - truth[k].t_s);
-  return errors;
-}
-
-std::optional<double> offset_of(const Onsets& truth, const Onsets& marked) {
+std::optional<double> offset_of(const Times& truth, const Times& marked) {
   const double tolerance_s = kTolerances_s[kJitterTolerance];
-  double offset_s = commonest_difference(times_of(truth), times_of(marked), tolerance_s);
+  double offset_s = commonest_difference(truth, marked, tolerance_s);
   constexpr int kRounds = 3;  // the median settles in one or two
   for (int round = 0; round < kRounds; ++round) {
-    std::vector<double> errors = errors_of(truth, marked, matches_about(offset_s, truth, marked, tolerance_s));
-    if (errors.empty()) return std::nullopt;
-    offset_s = median(std::move(errors));
+    const std::vector<Pair> pairs = nearest_pairs(truth, marked, offset_s, tolerance_s);
+    if (pairs.empty()) return std::nullopt;
+    offset_s = median(lateness_of(pairs));
   }
   return offset_s;
 }
@@ -145,8 +167,9 @@ std::vector<std::vector<std::size_t>> drops_of(const Onsets& truth) {
 }
 
 /// @param error_s  of each true time that was found, less what is no error of an interval
-void score_neighbours(const Onsets& truth, const Onsets& marked, const Matches& matches,
-                      const std::vector<std::optional<double>>& error_s, DetectorScore& score) {
+void score_neighbours(const Onsets& truth, const Onsets& marked, const std::vector<std::optional<double>>& error_s,
+                      DetectorScore& score) {
+  const auto& matches = score.match;
   std::vector<double> eps_errors;
   for (const std::vector<std::size_t>& drop : drops_of(truth)) {
     for (std::size_t k = 0; k + 1 < drop.size(); ++k) {
@@ -173,12 +196,12 @@ void score_neighbours(const Onsets& truth, const Onsets& marked, const Matches& 
   if (!eps_errors.empty()) score.eps_error = root_mean_square(eps_errors);
 }
 
-void score_errors(const TrueTimes& truth, const Onsets& marked, const Matches& matches, DetectorScore& score) {
-  std::vector<double> errors = errors_of(truth.onsets, marked, matches), scaling, bounds;
+void score_errors(const TrueTimes& truth, const Onsets& marked, DetectorScore& score) {
+  std::vector<double> errors, scaling, bounds;
   std::vector<std::int64_t> drops;
-  for (double& error : errors) error -= *score.offset_s;
   for (std::size_t k = 0; k < truth.onsets.size(); ++k) {
-    if (!matches[k]) continue;
+    if (!score.match[k]) continue;
+    errors.push_back(marked[*score.match[k]].t_s - truth.onsets[k].t_s - *score.offset_s);
     drops.push_back(truth.onsets[k].drop);
     if (!truth.v_mps.empty()) scaling.push_back(pow(truth.v_mps[k], -0.2));
     if (truth.onsets[k].sigma_t_s) bounds.push_back(*truth.onsets[k].sigma_t_s);
@@ -196,8 +219,8 @@ void score_errors(const TrueTimes& truth, const Onsets& marked, const Matches& m
   }
   std::vector<std::optional<double>> error_of_each(truth.onsets.size());
   for (std::size_t k = 0, n = 0; k < truth.onsets.size(); ++k)
-    if (matches[k]) error_of_each[k] = within_drops[n++];
-  score_neighbours(truth.onsets, marked, matches, error_of_each, score);
+    if (score.match[k]) error_of_each[k] = within_drops[n++];
+  score_neighbours(truth.onsets, marked, error_of_each, score);
 }
 
 std::optional<double> median_of(const std::vector<DetectorScore>& scores,
@@ -255,19 +278,22 @@ DetectorScore score_detector(const TrueTimes& truth, const Onsets& marked, doubl
   score.duration_s = duration_s;
   score.processor_s = processor_s;
   for (Agreement& agreement : score.agreement) agreement = {truth.onsets.size(), marked.size(), 0};
+  score.match.resize(truth.onsets.size());
   if (truth.onsets.empty()) {
     score.without_ball_s = duration_s;
     score.n_invented = marked.size();
     return score;
   }
-  score.agreement[0].n_found = most_pairs(times_of(truth.onsets), times_of(marked), kTolerances_s[0]);
-  score.offset_s = offset_of(truth.onsets, marked);
+  const Times true_s = in_order(truth.onsets), marked_s = in_order(marked);
+  score.agreement[0].n_found = most_pairs(true_s, marked_s, kTolerances_s[0]);
+  score.offset_s = offset_of(true_s, marked_s);
   if (!score.offset_s) return score;
   for (std::size_t k = 1; k < kTolerances_s.size(); ++k) {
-    const Matches matches = matches_about(*score.offset_s, truth.onsets, marked, kTolerances_s[k]);
-    score.agreement[k].n_found = static_cast<std::size_t>(
-        std::count_if(matches.begin(), matches.end(), [](const auto& match) { return match.has_value(); }));
-    if (k == kJitterTolerance) score_errors(truth, marked, matches, score);
+    const std::vector<Pair> pairs = nearest_pairs(true_s, marked_s, *score.offset_s, kTolerances_s[k]);
+    score.agreement[k].n_found = pairs.size();
+    if (k != kJitterTolerance) continue;
+    for (const Pair& pair : pairs) score.match[pair.truth] = pair.mark;
+    score_errors(truth, marked, score);
   }
   return score;
 }
@@ -277,6 +303,8 @@ DetectorScore pooled(const std::vector<DetectorScore>& scores) {
   all.n_recordings = 0;
   for (const DetectorScore& score : scores) {
     all.n_recordings += score.n_recordings;
+    for (const std::optional<std::size_t>& mark : score.match)
+      all.match.push_back(mark ? std::optional(all.agreement[0].n_marked + *mark) : std::nullopt);
     for (std::size_t k = 0; k < kTolerances_s.size(); ++k) {
       all.agreement[k].n_true += score.agreement[k].n_true;
       all.agreement[k].n_marked += score.agreement[k].n_marked;
@@ -316,6 +344,9 @@ Description members_of(const DetectorScore*) {
           "n_true", [](const S& s) { return s.agreement[0].n_true; }, "True impacts"),
       computed(
           "n_marked", [](const S& s) { return s.agreement[0].n_marked; }, "Marks"),
+      computed(
+          "n_found", [](const S& s) { return s.agreement[kJitterTolerance].n_found; },
+          "Pairs of both within 1 ms, one to one; the others are missed, and invented"),
       agreement<0, &Agreement::precision>("precision_50ms",
                                           "Share of the marks that lie within 50 ms of an impact of their own"),
       agreement<0, &Agreement::recall>("recall_50ms", "Share of the impacts that have such a mark"),

@@ -54,7 +54,7 @@ std::optional<fit::Estimate> parameter_named(const fit::FitResult& fit, std::str
   return std::nullopt;
 }
 
-LoopScore score_loop(std::size_t n_drops, const detection::OnsetScore& onsets, const RestitutionLaw& truth,
+LoopScore score_loop(std::size_t n_drops, const DetectorScore& onsets, const RestitutionLaw& truth,
                      const fit::FitResult& true_times, const fit::FitResult& sound) {
   LoopScore score;
   score.n_drops = n_drops;

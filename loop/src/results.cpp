@@ -86,8 +86,8 @@ Description members_of(const LoopScore*) {
   using S = LoopScore;
   static constexpr Member all[]{
       member<&S::n_drops>("n_drops", "Drops"),
-      computed(
-          "", [](const S& s) { return object_of(s.onsets); }, "Detected against true impacts"),
+      member<&S::onsets>("score",
+                         "[Scores](validation.md#the-scores) of detected against true times: `n_true`, `n_found`, ..."),
       member<&S::n_samples>("n_samples", "Samples fitted"),
       member<&S::nodes>("eps_nodes", "`[{v_mps, truth, from_true_times: {eps, se}, from_sound: {eps, se}}]`"),
       member<&S::constants>("constants", "`[{name, truth, from_true_times: {value, se}, from_sound: {value, se}}]`"),

@@ -15,18 +15,18 @@ namespace bouncelab::loop {
 namespace {
 
 /// By detection alone: missed and invented impacts. Empty: no failure.
-std::string detection_failure(const detection::OnsetScore& score) {
-  const auto n_detected = static_cast<double>(score.n_found + score.n_invented);
-  if (score.n_found == 0) return "nothing found";
-  if (static_cast<double>(score.n_found) < 0.99 * static_cast<double>(score.n_true)) return "impacts missed";
-  if (static_cast<double>(score.n_found) < 0.99 * n_detected) return "impacts invented";
+std::string detection_failure(const Agreement& agreement) {
+  if (agreement.n_found == 0) return "nothing found";
+  if (*agreement.recall() < 0.99) return "impacts missed";
+  if (*agreement.precision() < 0.99) return "impacts invented";
   return "";
 }
 
 constexpr std::array kSides{&fit::HistogramFit::slope_rising, &fit::HistogramFit::slope_falling};
 
 std::string failure_of(const LoopResult& loop, const std::vector<double>& node_speeds_mps) {
-  if (std::string failure = detection_failure(loop.rough.score); !failure.empty()) return failure;
+  if (std::string failure = detection_failure(loop.rough.score.agreement[kJitterTolerance]); !failure.empty())
+    return failure;
   for (const double v : node_speeds_mps) {
     const std::optional<fit::Estimate> sound = eps_at(loop.sound, v), exact = eps_at(loop.true_times, v);
     if (!sound || !exact || !exact->se) return "no law";
@@ -47,9 +47,6 @@ class Values {
  public:
   void add(const std::string& name, std::optional<double> value) { all.push_back({name, value, false}); }
   void add_count(const std::string& name, std::size_t n) { all.push_back({name, static_cast<double>(n), true}); }
-  void add_share(const std::string& name, std::size_t n, std::size_t of) {
-    add(name, of > 0 ? std::optional(static_cast<double>(n) / static_cast<double>(of)) : std::nullopt);
-  }
   void add_estimate(const std::string& name, const std::optional<fit::Estimate>& estimate) {
     add(name, estimate ? std::optional(estimate->value) : std::nullopt);
     add("se_" + name, estimate ? estimate->se : std::nullopt);
@@ -67,14 +64,15 @@ std::size_t n_complete(const LoopResult& loop) {
 }
 
 std::vector<SweepValue> values_of(const LoopResult& loop, const std::vector<double>& node_speeds_mps) {
-  const detection::OnsetScore& score = loop.rough.score;
+  const DetectorScore& score = loop.rough.score;
+  const Agreement& agreement = score.agreement[kJitterTolerance];
   Values values;
-  values.add_count("n_impacts", score.n_true);
-  values.add_share("share_complete", n_complete(loop), static_cast<std::size_t>(loop.simulation.n_drops));
-  values.add_share("recall", score.n_found, score.n_true);
-  values.add_share("precision", score.n_found, score.n_found + score.n_invented);
-  values.add("time_rms_within_drops_s", score.rms_within_drops_s);
-  values.add("time_pull_sd", score.pull_sd);
+  values.add_count("n_true", agreement.n_true);
+  values.add("share_complete", static_cast<double>(n_complete(loop)) / static_cast<double>(loop.simulation.n_drops));
+  values.add("recall_1ms", agreement.recall());
+  values.add("precision_1ms", agreement.precision());
+  values.add("within_drops_s", score.within_drops_s);
+  values.add("pull", score.pull());
   values.add_count("n_samples", loop.sound.n_used);
   for (const double v : node_speeds_mps) {
     const std::string name = formatted("eps_%g", v);

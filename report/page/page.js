@@ -7,11 +7,12 @@ function card(value, text) { return element('div', {class: 'card'}, element('b',
 /// Of a loop: what was found of what went in. (Of recordings the answer says it.)
 function counts() {
   const cards = [];
-  if (summary && known(summary.n_impacts)) {
-    cards.push(card(`${number(summary.n_found)} of ${number(summary.n_impacts)}`, 'impacts found in the sound'),
-               card(`${number(summary.n_missed)} / ${number(summary.n_invented)}`, 'missed / invented'));
+  const score = summary && summary.score;
+  if (score) {
+    cards.push(card(`${number(score.n_found)} of ${number(score.n_true)}`, 'impacts found in the sound'),
+               card(`${number(score.n_true - score.n_found)} / ${number(score.n_marked - score.n_found)}`, 'missed / invented'));
     if (known(summary.n_drops)) cards.push(card(number(summary.n_drops), summary.n_drops === 1 ? 'drop' : 'drops'));
-    if (known(summary.time_rms_within_drops_s)) cards.push(card(`${number(1e6 * summary.time_rms_within_drops_s, 3)} µs`, 'root mean square (rms) error of the times within a drop'));
+    if (known(score.within_drops_s)) cards.push(card(`${number(1e6 * score.within_drops_s, 3)} µs`, 'root mean square (rms) error of the times within a drop'));
     if (known(summary.n_samples)) cards.push(card(number(summary.n_samples), 'samples: bounces with an ε'));
   }
   if (cards.length) add('div', {class: 'cards'}, cards);

@@ -32,15 +32,15 @@ function sweepSection(sweep) {
       element('tbody', {}, sweep.points.map(p => {
         const v = p.values;
         const shift = k => known(v[k]) ? measured(1e6 * (v[k] - v[k.replace('_sound', '_truth')]), 1e6 * v['se_' + k]) : '–';
-        return element('tr', {}, options.map(o => element('td', {}, p.settings[o])), element('td', {class: p.trouble ? 'text no' : 'text yes'}, p.trouble || 'nothing'), [cell(v, 'recall'), cell(v, 'precision'), known(v.time_rms_within_drops_s) ? number(1e6 * v.time_rms_within_drops_s, 3) : '–',
+        return element('tr', {}, options.map(o => element('td', {}, p.settings[o])), element('td', {class: p.trouble ? 'text no' : 'text yes'}, p.trouble || 'nothing'), [cell(v, 'recall_1ms'), cell(v, 'precision_1ms'), known(v.within_drops_s) ? number(1e6 * v.within_drops_s, 3) : '–',
           ...speeds.map(shift), withError(v, 'A2'), withError(v, 'slope_rising_0.6_simulation'), withError(v, 'slope_rising_0.6_sound'), withError(v, 'slope_falling_0.6_simulation'), withError(v, 'slope_falling_0.6_sound')]
             .map(t => element('td', {}, t)));
       }))));
   add('p', {class: 'caption'}, '“What fails” compares the times detected with the true times of the same drops: 99% of the impacts found and 99% of the found ones true, ε(v) moved by less than its standard error, slopes by less than a tenth.');
   const parent = figure('sweep', 'The same as pictures', `Against ${options.at(-1).replace(/-/g, ' ')}; a line for each combination of the other lists.`);
   parent.classList.add('grid', 'wide');
-  drawSwept(parent, sweep, 'share of impacts found', 'recall', {});
-  drawSwept(parent, sweep, 'rms error of the times within drops (s)', 'time_rms_within_drops_s', {type: 'log', exponentformat: 'power'});
+  drawSwept(parent, sweep, 'share of impacts found', 'recall_1ms', {});
+  drawSwept(parent, sweep, 'rms error of the times within drops (s)', 'within_drops_s', {type: 'log', exponentformat: 'power'});
   drawSwept(parent, sweep, 'rising slope at 0.6 m/s, sound', 'slope_rising_0.6_sound', {});
   drawSwept(parent, sweep, 'falling slope at 0.6 m/s, sound', 'slope_falling_0.6_sound', {});
 }

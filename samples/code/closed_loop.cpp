@@ -23,10 +23,12 @@ int main() {
 
   // detect: the detector is given the samples and their rate, nothing else
   const Onsets onsets = detection::detect(samples, sound.rate_hz, "loop").onsets;
-  const Onsets truth = synthesis::onsets_of_truth(recording.truth(), "loop");
-  const detection::OnsetScore score = detection::score_onsets(truth, onsets);
-  std::printf("%zu impacts, %zu found, %zu missed, %zu invented, time error within drops %.2g us rms\n", score.n_true,
-              score.n_found, score.n_missed, score.n_invented, 1e6 * score.rms_within_drops_s.value_or(0.0));
+  const loop::TrueTimes truth = loop::true_times_from_table(synthesis::truth_table(recording.truth(), "loop"), "truth");
+  const double sound_s = static_cast<double>(samples.size()) / sound.rate_hz;
+  const loop::DetectorScore score = loop::score_detector(truth, onsets, sound_s, 0.0);
+  const auto& [n_true, n_marked, n_found] = score.agreement[loop::kJitterTolerance];
+  std::printf("%zu impacts, %zu found, %zu missed, %zu invented, time error within drops %.2g us rms\n", n_true,
+              n_found, n_true - n_found, n_marked - n_found, 1e6 * score.within_drops_s.value_or(0.0));
 
   // restitution and fit: eps(v) beside the law that was simulated
   const RestitutionSamples eps = fit::restitution_samples(onsets, {}).samples;

@@ -34,9 +34,10 @@ TEST_F(PaperLoop, AShortRunFindsItsImpactsAndSaysWhatItConcludes) {
   const Result result = run(loop(22, 40, "out", "--json"));
   ASSERT_EQ(result.exit_code, 0) << result.err;
   const Json summary = Json(result.out);
-  EXPECT_EQ(summary["n_impacts"], 22 * 40);
-  EXPECT_GE(summary["n_found"].number(), 22 * 40 * 999 / 1000);
-  EXPECT_LE(summary["n_invented"].number(), 1);
+  const Json& score = summary["score"];
+  EXPECT_EQ(score["n_true"], 22 * 40);
+  EXPECT_GE(score["n_found"].number(), 22 * 40 * 999 / 1000);
+  EXPECT_LE(score["n_marked"].number(), score["n_found"].number() + 1);
   const Json paper = json("out/paper.json");
   EXPECT_EQ(paper["conclusions"].size(), 5u);
   EXPECT_EQ(paper["energy_shares"]["impact"].size(), 40u);
@@ -59,7 +60,7 @@ TEST_F(Sweep, RunsEveryCombinationOfTheListsAndTheCommandLineWins) {
   ASSERT_EQ(sweep["points"].size(), 4u);
   EXPECT_EQ(sweep["points"][1]["settings"]["radius-law"], "constant:1e-3");
   EXPECT_EQ(sweep["points"][1]["settings"]["snr-db"], "40");
-  for (const Json& point : sweep["points"].elements()) EXPECT_EQ(point["values"]["n_impacts"], 60);
+  for (const Json& point : sweep["points"].elements()) EXPECT_EQ(point["values"]["n_true"], 60);
   const std::string table = content("out/sweep.csv");
   EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), 1 + 4);
   EXPECT_TRUE(exists("out/report.html"));

@@ -50,6 +50,23 @@ TEST(DetectorScore, IsAsGoodWithALatencyAsWithout) {
   EXPECT_NEAR(*score.eps_error, std::sqrt((first * first + second * second) / 2.0), kExact);
 }
 
+TEST(DetectorScore, PairsAreOneToOneTheNearestFirstInWhateverOrder) {
+  const DetectorScore score = score_detector({at({2.0, 1.0, 1.0008})}, at({2.0, 3.0, 1.0007}), 4.0, 0.0);
+  const std::vector<std::optional<std::size_t>> match{0, {}, 2};
+  EXPECT_EQ(score.agreement[0].n_found, 2U);
+  EXPECT_EQ(score.match, match);
+  EXPECT_EQ(pooled({score, score}).match, (std::vector<std::optional<std::size_t>>{0, {}, 2, 3, {}, 5}));
+}
+
+TEST(DetectorScore, EachDropsOwnLatencyIsTakenOutOfWhatIntervalsSee) {
+  Onsets truth = at({1.0, 2.0, 3.0, 4.0});
+  truth[2].drop = truth[3].drop = 1;
+  const DetectorScore score = score_detector({truth}, at({1.0001, 2.0001, 2.9999, 3.9999}), 5.0, 0.0);
+  EXPECT_NEAR(*score.jitter_s, 1e-4, kExact);
+  EXPECT_NEAR(*score.within_drops_s, 0.0, kExact);
+  EXPECT_FALSE(score.pull());  // nothing is stated
+}
+
 TEST(DetectorScore, SeesTheBoundBehindTheContactLaw) {
   // errors 2 us from a normal distribution about 5 us v^(-1/5): the ratio to a bound of 2 us is 1 within the error of a
   // standard deviation from 2000 numbers, 1/sqrt(4000) = 1.6 %, of which three are allowed

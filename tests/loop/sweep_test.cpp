@@ -24,10 +24,7 @@ LoopResult loop_with(std::size_t n_found, std::size_t n_invented, double eps, do
     return result;
   };
   LoopResult loop;
-  loop.rough.score.n_true = 100;
-  loop.rough.score.n_found = n_found;
-  loop.rough.score.n_missed = 100 - n_found;
-  loop.rough.score.n_invented = n_invented;
+  loop.rough.score.agreement[kJitterTolerance] = {100, n_found + n_invented, n_found};
   loop.true_times = fit(0.97, 500.0);
   loop.sound = fit(eps, slope);
   return loop;
@@ -91,8 +88,8 @@ TEST(Sweeps, AsATableHaveAColumnForEachSettingAndNumber) {
   const SweepPoint lost = sweep_point({{"snr-db", "0"}}, loop_with(0, 0, 0.97, 500), {0.6});
   const Table table = to_table(std::vector<SweepPoint>{found, lost});
   EXPECT_EQ(*table.texts("snr_db"), (std::vector<std::string>{"30", "0"}));
-  EXPECT_EQ((*table.reals("recall"))[0], 1.0);
-  EXPECT_TRUE(std::isnan((*table.reals("precision"))[1]));  // of nothing found
+  EXPECT_EQ((*table.reals("recall_1ms"))[0], 1.0);
+  EXPECT_TRUE(std::isnan((*table.reals("precision_1ms"))[1]));  // of nothing found
   EXPECT_EQ(*table.texts("trouble"), (std::vector<std::string>{"", "nothing found"}));
 }
 

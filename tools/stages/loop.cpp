@@ -42,16 +42,19 @@ std::string row(const std::string& head, const std::string& truth, const loop::C
   return row(head, {truth, cell(compared.from_true_times), cell(compared.from_sound)});
 }
 
-std::string onsets_text(const detection::OnsetScore& s) {
-  std::string text = fmt::format("Impacts: {} simulated, {} found, {} missed, {} invented\n", s.n_true, s.n_found,
-                                 s.n_missed, s.n_invented);
-  if (s.rms_s)
-    text += fmt::format("Error of t_i: {:.3g} us rms about a constant {:.3g} us; within drops {:.3g} us\n",
-                        1e6 * *s.rms_s, 1e6 * s.offset_s.value_or(0.0), 1e6 * s.rms_within_drops_s.value_or(0.0));
-  if (s.pull_sd)
-    text += fmt::format(
-        "Error within drops, less the residual of the contact-time law, over the standard error stated: {:.3g} rms\n",
-        *s.pull_sd);
+std::string onsets_text(const loop::DetectorScore& s) {
+  const loop::Agreement& agreement = s.agreement[loop::kJitterTolerance];
+  const std::size_t n_found = agreement.n_found;
+  std::string text = fmt::format("Impacts: {} simulated, {} found, {} missed, {} invented\n", agreement.n_true, n_found,
+                                 agreement.n_true - n_found, agreement.n_marked - n_found);
+  if (s.jitter_s)
+    text += fmt::format("Error of t_i: {:.3g} us rms about a constant {:.3g} us\n", 1e6 * *s.jitter_s,
+                        1e6 * s.offset_s.value_or(0.0));
+  if (s.within_drops_s && s.bound_ratio_within_drops)
+    text += fmt::format("Within drops, less the contact-time law: {:.3g} us rms, {:.3g} times the Cramer-Rao bound\n",
+                        1e6 * *s.within_drops_s, *s.bound_ratio_within_drops);
+  if (const std::optional<double> pull = s.pull())
+    text += fmt::format("Error of intervals over the standard error stated: {:.3g} rms\n", *pull);
   return text;
 }
 
@@ -85,10 +88,8 @@ Object paper_results(const loop::LoopResult& loop, const std::vector<loop::Slope
           {"spread", Object{{"simulation", spread_of(loop.direct)},
                             {"sound", spread_of(loop.sound)},
                             {"smooth_ball", spread_of(loop.smooth_sound)}}},
-          {"smooth_ball", Object{{"n_drops", value_of(loop.smooth.recordings.size())},
-                                 {"n_impacts", value_of(loop.smooth.score.n_true)},
-                                 {"n_missed", value_of(loop.smooth.score.n_missed)},
-                                 {"n_invented", value_of(loop.smooth.score.n_invented)}}},
+          {"smooth_ball",
+           Object{{"n_drops", value_of(loop.smooth.recordings.size())}, {"score", value_of(loop.smooth.score)}}},
           {"energy_shares", as_lists(loop.shares)}};
 }
 

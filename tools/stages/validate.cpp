@@ -177,8 +177,7 @@ Outcome run_marks(const ValidateOptions& options) {
   std::vector<std::string> taken_for;
   loop::TrueTimes truth = read_times(options.truth, taken_for);
   if (options.offset_only) truth.v_mps.clear();
-  Onsets marks = read_marks(options.marks, taken_for);
-  std::stable_sort(marks.begin(), marks.end(), [](const Onset& a, const Onset& b) { return a.t_s < b.t_s; });
+  const Onsets marks = read_marks(options.marks, taken_for);
   const loop::DetectorScore score = score_of(truth, marks, 0.0, 0.0, options.annotated_only);
   Outcome outcome;
   outcome.result = object_of(score);

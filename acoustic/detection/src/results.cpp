@@ -197,21 +197,4 @@ Description members_of(const WavePreview*) {
   return all;
 }
 
-Description members_of(const OnsetScore*) {
-  using S = OnsetScore;
-  static constexpr Member all[]{
-      member<&S::n_true>("n_impacts", "True impacts"),
-      member<&S::n_found>("n_found", "Detected, one to one within a tolerance"),
-      member<&S::n_missed>("n_missed", "True impacts without"),
-      member<&S::n_invented>("n_invented", "Detected impacts without a true one"),
-      member<&S::rms_s>("time_rms_s", "Rms error about the offset").left_out_where_unknown(),
-      member<&S::rms_within_drops_s>("time_rms_within_drops_s", "The same with each drop's median error removed")
-          .left_out_where_unknown(),
-      member<&S::offset_s>("time_offset_s", "Median of detected minus true time (intervals do not see it)")
-          .left_out_where_unknown(),
-      member<&S::pull_sd>("time_pull_sd", "Root of χ²/ndf of the errors over `sigma_t_s`; 1 for honest standard errors")
-          .left_out_where_unknown()};
-  return all;
-}
-
 }  // namespace bouncelab::detection

@@ -15,6 +15,7 @@
 #include "bouncelab/core/random.hpp"
 #include "bouncelab/core/table.hpp"
 #include "bouncelab/detection/detect.hpp"
+#include "bouncelab/loop/detector_score.hpp"
 #include "support/modal_sound.hpp"
 
 namespace bouncelab::detection {
@@ -68,13 +69,20 @@ Onsets truth_of(const Drop& drop) {
   return truth;
 }
 
+std::vector<double> speeds_of(const Drop& drop, const Onsets& truth) {
+  std::vector<double> v_mps;
+  for (std::size_t k = 0; k < truth.size(); ++k)
+    v_mps.push_back(0.5 * 9.81 * (k == 0 ? drop.first_flight_s : truth[k].t_s - truth[k - 1].t_s));
+  return v_mps;
+}
+
 std::vector<float> sound_of(const Drop& drop, const Onsets& truth) {
   Random random(drop.seed, RandomStream::test, 22);
   const std::vector<test::Mode> modes = modes_of(drop);
   std::vector<float> x(static_cast<std::size_t>((truth.back().t_s + 0.4) * kRate_hz));
+  const std::vector<double> speeds = speeds_of(drop, truth);
   for (std::size_t k = 0; k < truth.size(); ++k) {
-    const double flight_s = k == 0 ? drop.first_flight_s : truth[k].t_s - truth[k - 1].t_s;
-    const double v_mps = 0.5 * 9.81 * flight_s;
+    const double v_mps = speeds[k];
     const double tau_s = drop.tau_1_s * std::pow(v_mps, -0.2);
     for (const test::Mode& mode : modes) {
       const double x_f = mode.f_hz * tau_s;
@@ -91,17 +99,16 @@ std::vector<float> sound_of(const Drop& drop, const Onsets& truth) {
   return x;
 }
 
-/// Root mean square of error over sigma, over some recordings.
+/// Root mean square of the errors of intervals, less a + b v^(-1/5), over their sigma, over some recordings.
 double pull_of(Drop drop, int n_seeds) {
   double squares = 0.0;
   for (int seed = 1; seed <= n_seeds; ++seed) {
     drop.seed = static_cast<std::uint64_t>(seed);
     const Onsets truth = truth_of(drop);
     const Detection d = detect(sound_of(drop, truth), kRate_hz, "drop");
-    // a sound that rises in steps may be marked at any of them, the same at all impacts
-    const OnsetScore score = score_onsets(truth, d.onsets, 3e-3);
-    EXPECT_EQ(score.n_found, truth.size()) << "seed " << seed;
-    squares += score.pull_sd ? *score.pull_sd * *score.pull_sd / n_seeds : NAN;
+    const loop::DetectorScore score = loop::score_detector({truth, speeds_of(drop, truth)}, d.onsets, 0.0, 0.0);
+    EXPECT_EQ(score.agreement[loop::kJitterTolerance].n_found, truth.size()) << "seed " << seed;
+    squares += square(score.pull().value_or(NAN)) / n_seeds;
   }
   return std::sqrt(squares);
 }
@@ -147,55 +154,18 @@ TEST(StandardError, IsHonestForASoftBall) {
 // Recordings with exact truth from an independent generator, in the folder BOUNCELAB_ONSET_CASES, and a real one, in
 // BOUNCELAB_RECORDINGS. Skipped, saying so, where there is none.
 
-struct Case {
-  std::string name;
-  OnsetScore score;
-  double rms_after_contact_law_s = 0.0;  // about a + b v^(-1/5)
-  double bound_s = 0.0;                  // rms of the Cramer-Rao bounds
-};
-
-/// Least squares of the errors on 1 and v^(-1/5); returns the rms residual.
-double rms_about_contact_law(const std::vector<double>& error_s, const std::vector<double>& v_mps) {
-  const auto n = static_cast<double>(error_s.size());
-  double u = 0, uu = 0, e = 0, ue = 0;
-  for (std::size_t k = 0; k < error_s.size(); ++k) {
-    const double x = std::pow(v_mps[k], -0.2);
-    u += x / n, uu += x * x / n, e += error_s[k] / n, ue += x * error_s[k] / n;
-  }
-  const double b = (ue - u * e) / (uu - u * u);
-  double sum = 0;
-  for (std::size_t k = 0; k < error_s.size(); ++k) {
-    const double r = error_s[k] - e - b * (std::pow(v_mps[k], -0.2) - u);
-    sum += r * r / n;
-  }
-  return std::sqrt(sum);
-}
-
-Case run(const std::filesystem::path& truth_file) {
+loop::DetectorScore score_of_case(const std::filesystem::path& truth_file) {
   const auto json = nlohmann::json::parse(std::ifstream(truth_file));
-  const std::filesystem::path sound = truth_file.parent_path() / (truth_file.stem().string() + ".wav");
-  Onsets truth;
-  Case c{truth_file.stem().string(), {}, 0.0, 0.0};
+  loop::TrueTimes truth;
   for (const auto& impact : json["impacts"]) {
-    Onset onset;
-    onset.recording = sound.string();
+    Onset& onset = truth.onsets.emplace_back();
     onset.t_s = impact["t_s"];
     onset.drop = impact["drop"];
-    onset.impact = truth.empty() || truth.back().drop != onset.drop ? 0 : truth.back().impact + 1;
-    truth.push_back(onset);
-    c.bound_s += std::pow(impact["crb_us"].get<double>() * 1e-6, 2) / static_cast<double>(json["impacts"].size());
+    onset.sigma_t_s = 1e-6 * impact["crb_us"].get<double>();
+    truth.v_mps.push_back(impact["v"]);
   }
-  c.bound_s = std::sqrt(c.bound_s);
-  const Detection d = detect(sound);
-  c.score = score_onsets(truth, d.onsets);
-  std::vector<double> error_s, v_mps;
-  for (std::size_t k = 0; k < truth.size(); ++k)
-    if (c.score.match[k]) {
-      error_s.push_back(d.onsets[*c.score.match[k]].t_s - truth[k].t_s);
-      v_mps.push_back(json["impacts"][k]["v"]);
-    }
-  c.rms_after_contact_law_s = rms_about_contact_law(error_s, v_mps);
-  return c;
+  return loop::score_detector(truth, detect(std::filesystem::path(truth_file).replace_extension(".wav")).onsets, 0.0,
+                              0.0);
 }
 
 TEST(OnsetCases, AreFoundCompletelyAndTimedNearTheBound) {
@@ -205,22 +175,21 @@ TEST(OnsetCases, AreFoundCompletelyAndTimedNearTheBound) {
   std::size_t n_honest = 0;
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
     if (entry.path().extension() != ".json") continue;
-    const Case c = run(entry.path());
-    const auto recall = static_cast<double>(c.score.n_found) / static_cast<double>(c.score.n_true);
-    const auto precision =
-        static_cast<double>(c.score.n_found) / static_cast<double>(c.score.n_found + c.score.n_invented);
-    const double ratio = c.rms_after_contact_law_s / c.bound_s;
+    const std::string name = entry.path().stem().string();
+    const loop::DetectorScore score = score_of_case(entry.path());
+    const loop::Agreement& agreement = score.agreement[loop::kJitterTolerance];
+    const double recall = agreement.recall().value_or(0.0), precision = agreement.precision().value_or(0.0);
+    const double pull = score.pull().value_or(NAN);
     std::printf(
         "%-24s recall %.3f precision %.3f rms %.3f us, after the contact law %.3f us = %.2f bounds, pull %.2f\n",
-        c.name.c_str(), recall, precision, c.score.rms_s.value_or(NAN) * 1e6, c.rms_after_contact_law_s * 1e6, ratio,
-        c.score.pull_sd.value_or(NAN));
-    const bool chatter = c.name.find("chatter") != std::string::npos;
-    EXPECT_GE(recall, chatter ? 0.97 : 0.99) << c.name;
-    EXPECT_GE(precision, 0.99) << c.name;
+        name.c_str(), recall, precision, score.jitter_s.value_or(NAN) * 1e6, score.within_law_s.value_or(NAN) * 1e6,
+        score.bound_ratio.value_or(NAN), pull);
+    EXPECT_GE(recall, name.find("chatter") != std::string::npos ? 0.97 : 0.99) << name;
+    EXPECT_GE(precision, 0.99) << name;
     // 90 pulls know their rms to 7 %, and a case's sigma rests on one drop: one in nine may be outside
-    n_honest += *c.score.pull_sd > 0.8 && *c.score.pull_sd < 1.25 ? 1 : 0;
-    rms_s.push_back(*c.score.rms_s);
-    ratios.push_back(ratio);
+    n_honest += pull > 0.8 && pull < 1.25 ? 1 : 0;
+    rms_s.push_back(score.jitter_s.value_or(1.0));
+    ratios.push_back(score.bound_ratio.value_or(1e6));
   }
   ASSERT_FALSE(rms_s.empty()) << folder << " holds no truth file";
   std::sort(rms_s.begin(), rms_s.end());
@@ -234,15 +203,14 @@ TEST(PingPongBall, IsFollowedThroughItsEchoes) {
   const char* folder = std::getenv("BOUNCELAB_RECORDINGS");
   if (folder == nullptr) GTEST_SKIP() << "BOUNCELAB_RECORDINGS is not set";
   const std::filesystem::path sound = std::filesystem::path(folder) / "eeps_pingpong.wav";
-  Onsets truth =
+  const Onsets truth =
       onsets_from_table(read_csv(std::filesystem::path(folder) / "eeps_pingpong.truth.csv", onset_columns()), "truth");
-  for (Onset& onset : truth) onset.recording = sound.string();
   const Detection d = detect(sound);
-  const OnsetScore s = score_onsets(truth, d.onsets, 2e-3);
-  EXPECT_EQ(s.n_found, 50U);
+  constexpr std::size_t kWithin5ms = 1;
+  EXPECT_EQ(loop::score_detector({truth}, d.onsets, 0.0, 0.0).agreement[kWithin5ms].n_found, 50U);
   const auto before_last =
       std::count_if(d.onsets.begin(), d.onsets.end(), [&](const Onset& o) { return o.t_s < truth.back().t_s + 2e-3; });
-  EXPECT_EQ(static_cast<std::size_t>(before_last), s.n_found) << "invented before the last one";
+  EXPECT_EQ(before_last, 50) << "invented before the last one";
   EXPECT_NEAR(d.summary.restitution_median.value(), 0.946, 0.004);
 }
 

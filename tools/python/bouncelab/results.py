@@ -542,7 +542,8 @@ class Loop:
         return self.path("report.html")
 
     def __repr__(self) -> str:
-        return f"<Loop in {self.folder}: {self.summary.get('n_found')} of {self.summary.get('n_impacts')} impacts found>"
+        score = self.summary["score"]
+        return f"<Loop in {self.folder}: {score['n_found']} of {score['n_true']} impacts found>"
 
 
 class Validation:

@@ -204,6 +204,7 @@ TimedDrop time_drop(const BandOfDrops& band, const Track& track, const ImpactTem
   TimedDrop drop;
   drop.impacts = learned != nullptr ? time_track(white, *learned, track, band.candidates, end_s)
                                     : times_of_candidates(band, track);
+  drop.noise_variance = band.noise.quiet_variance;
   set_speeds(gravity_mps2, drop.impacts);
   mark_clipped(band, drop.impacts);
   if (learned == nullptr) return drop;

@@ -78,6 +78,7 @@ struct TimedDrop {
   double correlation = 0.0;         ///< of its template with the impacts
   std::optional<LearnedWave> wave;  ///< its template as recorded
   std::optional<double> rms_hz;     ///< of the impacts as recorded
+  double noise_variance = 0.0;      ///< in the band that it is timed in
 };
 
 /// Template of the impacts of some tracks of a recording.
@@ -116,8 +117,9 @@ bool separate_overlaps(WhiteSound& white, const ImpactTemplate& learned, const C
 /// The two are the same drop where they share five impacts and half of those of the shorter one. Impacts of the other
 /// band whose numbers the drop lacks are added, with times moved by the median difference of the nine nearest shared
 /// impacts, whose error enters `sigma_s`; where the two bands number the shared impacts on either side differently,
-/// none is. What the other band has by prediction alone is added only where its template explains half of the impacts'
-/// energy and that of the drop does not, which else would have shown it. Sets no speeds.
+/// none is. One that the drop has elsewhere is put there where its error is half as large. What the other band has by
+/// prediction alone is added only where its template explains half of the impacts' energy and that of the drop does
+/// not, which else would have shown it. Sets no speeds.
 /// @param begin_s, end_s  the last impact of the drop before and the first of the next one: none is added beyond
 /// @return how many were added
 std::size_t add_impacts_of_other_band(const TimedDrop& other, double begin_s, double end_s, TimedDrop& drop);

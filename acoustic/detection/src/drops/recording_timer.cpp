@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <span>
 #include <utility>
 
 #include "bouncelab/core/elementary.hpp"
@@ -105,29 +106,35 @@ double flight_s(const TimedImpacts& impacts, std::size_t before, std::size_t aft
          static_cast<double>(std::max<std::int64_t>(1, impacts[after].impact - impacts[before].impact));
 }
 
-/// Puts it at its number, where that is free and its neighbours are as far as its flights say.
+double error_s(const TimedImpact& impact) { return hypot(impact.fit.sigma_s, impact.doubt_s); }
+
+/// Puts it at its number, where that is free or far less is known of its time, and its neighbours are as far as its
+/// flights say.
 bool insert(const TimedImpact& impact, double before_s, double after_s, TimedImpacts& impacts) {
   const auto at = std::partition_point(impacts.begin(), impacts.end(),
                                        [&](const TimedImpact& other) { return other.impact < impact.impact; });
-  if (at != impacts.end() &&
-      (at->impact == impact.impact ||
-       at->fit.t_s - impact.fit.t_s < std::max(kDelay.least_interval_s, kDrops.least_of_flight * after_s)))
+  const bool is_there = at != impacts.end() && at->impact == impact.impact;
+  if (is_there && !(error_s(impact) < kDrops.clearly_less * error_s(*at))) return false;
+  const auto after = is_there ? at + 1 : at;
+  if (after != impacts.end() &&
+      after->fit.t_s - impact.fit.t_s < std::max(kDelay.least_interval_s, kDrops.least_of_flight * after_s))
     return false;
   if (at != impacts.begin() &&
       impact.fit.t_s - (at - 1)->fit.t_s < std::max(kDelay.least_interval_s, kDrops.least_of_flight * before_s))
     return false;
-  impacts.insert(at, impact);
+  if (is_there)
+    *at = impact;
+  else
+    impacts.insert(at, impact);
   return true;
 }
 
-}  // namespace
-
-std::size_t add_impacts_of_other_band(const TimedDrop& other, double begin_s, double end_s, TimedDrop& drop) {
+/// @param may_infer  what the other band has by prediction alone is added too
+std::size_t add_impacts(const TimedDrop& other, double begin_s, double end_s, bool may_infer, TimedDrop& drop) {
   const TimedImpacts& theirs = other.impacts;
   const TimedImpacts own = drop.impacts;
   const std::vector<Shared> shared = shared_impacts(own, theirs);
   if (shared.empty()) return 0;
-  const bool may_infer = is_reliable(other.correlation) && !is_reliable(drop.correlation);
   std::size_t n_added = 0, next = 0;
   for (std::size_t j = 0; j < theirs.size(); ++j) {
     while (next < shared.size() && shared[next].theirs < j) ++next;
@@ -152,6 +159,13 @@ std::size_t add_impacts_of_other_band(const TimedDrop& other, double begin_s, do
   return n_added;
 }
 
+}  // namespace
+
+std::size_t add_impacts_of_other_band(const TimedDrop& other, double begin_s, double end_s, TimedDrop& drop) {
+  const bool may_infer = is_reliable(other.correlation) && !is_reliable(drop.correlation);
+  return add_impacts(other, begin_s, end_s, may_infer, drop);
+}
+
 namespace {
 
 /// Where the next track begins after a track's last impact, or the recording ends.
@@ -164,7 +178,6 @@ double end_of_track(const BandOfDrops& band, std::size_t k) {
 
 struct TimedDrops {
   bool is_full_band = true;
-  double noise_variance = 0.0;  // in it
   std::vector<TimedDrop> drops;
 
   /// Of the impacts as recorded, by the first template; absent without template.
@@ -215,7 +228,7 @@ TimedDrops time_tracks(const BandOfDrops& band, double gravity_mps2, int n_threa
     shared = template_of(band, band.tracks, white);
     if (shared) templates[n] = recorded_phases(*shared);
   }
-  TimedDrops timed{!band.whole, band.noise.quiet_variance, std::vector<TimedDrop>(n)};
+  TimedDrops timed{!band.whole, std::vector<TimedDrop>(n)};
   parallel_for(n, n_threads, [&](std::size_t k) {
     const Track& track = band.tracks[k];
     WhiteSound white(band.sound);
@@ -240,11 +253,25 @@ std::optional<ContactLaw> contact_law_of(const TimedDrops& timed) {
 }
 
 /// Median standard error of all impacts.
-double median_sigma_s(const TimedDrops& timed) {
+double median_sigma_s(std::span<const TimedDrop> drops) {
   std::vector<double> sigma_s;
-  for (const TimedDrop& drop : timed.drops)
-    for (const TimedImpact& impact : drop.impacts) sigma_s.push_back(hypot(impact.fit.sigma_s, impact.doubt_s));
+  for (const TimedDrop& drop : drops)
+    for (const TimedImpact& impact : drop.impacts) sigma_s.push_back(error_s(impact));
   return sigma_s.empty() ? INFINITY : upper_median(std::move(sigma_s));
+}
+
+/// Takes what another band shows of a drop in its place, moved to its time base, if a template times it there with half
+/// the error; its impacts are added to that.
+bool take_clearer(TimedDrop shown, double begin_s, double end_s, TimedDrop& drop) {
+  if (!shown.wave || !(median_sigma_s({&shown, 1}) < kDrops.clearly_less * median_sigma_s({&drop, 1}))) return false;
+  const std::vector<Shared> shared = shared_impacts(drop.impacts, shown.impacts);
+  if (shared.empty()) return false;
+  const double later_s = median_later_s(shared);
+  for (TimedImpact& impact : shown.impacts) impact.fit.t_s += later_s;
+  shown.wave->t0_s -= later_s;
+  add_impacts(drop, begin_s, end_s, true, shown);
+  drop = std::move(shown);
+  return true;
 }
 
 std::size_t n_impacts(const TimedDrops& timed) {
@@ -279,11 +306,13 @@ void add_drops_of_other_band(const BandOfDrops& band, double gravity_mps2, const
       if (last_s(other_drop) < first_s(drop)) begin_s = std::max(begin_s, last_s(other_drop));
       if (first_s(other_drop) > last_s(drop)) end_s = std::min(end_s, first_s(other_drop));
     }
-    std::size_t n_added = 0;
+    std::size_t n_changed = 0;
     for (const TimedDrop& shown : other.drops)
-      if (first_s(shown) < last_s(drop) && last_s(shown) > first_s(drop))
-        n_added += add_impacts_of_other_band(shown, begin_s, end_s, drop);
-    if (n_added == 0) continue;
+      if (first_s(shown) < last_s(drop) && last_s(shown) > first_s(drop)) {
+        n_changed += take_clearer(shown, begin_s, end_s, drop) ? 1 : 0;
+        n_changed += add_impacts_of_other_band(shown, begin_s, end_s, drop);
+      }
+    if (n_changed == 0) continue;
     set_speeds(gravity_mps2, drop.impacts);
     mark_clipped(band, drop.impacts);
   }
@@ -316,17 +345,17 @@ TimedDrops time_drops(const BandOfDrops& band, const std::vector<BandOfDrops>& o
   std::optional<TimedDrops> second;  // of the two, where the band is not the whole sound
   if (band.whole) {
     second = time_tracks(with_rms_hz(band, rms_hz), gravity_mps2, n_threads);
-    const bool whole_is_better =
-        n_impacts(best) >= n_impacts(*second) && median_sigma_s(best) < kDrops.clearly_less * median_sigma_s(*second);
+    const bool whole_is_better = n_impacts(best) >= n_impacts(*second) &&
+                                 median_sigma_s(best.drops) < kDrops.clearly_less * median_sigma_s(second->drops);
     if (!whole_is_better) std::swap(best, *second);
   }
+  if (second) add_drops_of_other_band(band, gravity_mps2, *second, best);
   for (const BandOfDrops& other : other_bands) {
     BandOfDrops shown = with_rms_hz(other, rms_hz);
     shown.tracks = tracks_at_those_of(band, other);
     if (!shown.tracks.empty())
       add_drops_of_other_band(band, gravity_mps2, time_tracks(shown, gravity_mps2, n_threads), best);
   }
-  if (second) add_drops_of_other_band(band, gravity_mps2, *second, best);
   return best;
 }
 
@@ -388,7 +417,7 @@ TimedRecording time_recording(const BandOfDrops& band, const std::vector<BandOfD
     }
     for (std::size_t k = 0; k < drop.impacts.size(); ++k) {
       const ContactCorrection contact = law ? contact_correction(*law, drop, k) : ContactCorrection{};
-      Onset onset = to_onset(drop.impacts[k], band.tracks[d].log_odds, contact, drop.peak, timed.noise_variance);
+      Onset onset = to_onset(drop.impacts[k], band.tracks[d].log_odds, contact, drop.peak, drop.noise_variance);
       onset.recording = name;
       onset.drop = static_cast<std::int64_t>(d);
       recording.onsets.push_back(std::move(onset));

@@ -12,8 +12,8 @@
 #include "bouncelab/core/onsets.hpp"
 #include "bouncelab/core/parallel.hpp"
 #include "bouncelab/core/samples.hpp"
-#include "bouncelab/detection/detect.hpp"
 #include "bouncelab/fit/fit.hpp"
+#include "bouncelab/loop/detector_score.hpp"
 #include "bouncelab/loop/theory.hpp"
 #include "bouncelab/sim/contact.hpp"
 #include "bouncelab/sim/experiment.hpp"
@@ -99,7 +99,7 @@ struct BallResult {
   std::string name;  ///< "rough" or "smooth"
   Impacts impacts;   ///< with states where the configuration asks for them
   std::vector<RecordingResult> recordings;
-  detection::OnsetScore score;
+  DetectorScore score;  ///< of all recordings
 };
 
 struct LoopResult {

@@ -10,8 +10,8 @@
 
 #include "bouncelab/core/description.hpp"
 #include "bouncelab/core/restitution_law.hpp"
-#include "bouncelab/detection/detect.hpp"
 #include "bouncelab/fit/fit.hpp"
+#include "bouncelab/loop/detector_score.hpp"
 
 namespace bouncelab::loop {
 
@@ -53,7 +53,7 @@ Description members_of(const LawPoint*);
 struct LoopScore {
   std::size_t n_drops = 0;
   std::size_t n_samples = 0;                ///< used by the fit to the sound
-  detection::OnsetScore onsets;             ///< detected against true times
+  DetectorScore onsets;                     ///< detected against true times
   std::vector<ComparedNode> nodes;          ///< at the nodes of the fit to the sound
   std::vector<ComparedConstant> constants;  ///< A2, A4, A5
   std::vector<ComparedSlopes> slopes;       ///< of p(eps) at 0.3, 0.6 and 1 m/s
@@ -65,7 +65,7 @@ Description members_of(const LoopScore*);
 /// @param truth       the law simulated
 /// @param true_times  fitted to the true times
 /// @param sound       fitted to the detected times
-LoopScore score_loop(std::size_t n_drops, const detection::OnsetScore& onsets, const RestitutionLaw& truth,
+LoopScore score_loop(std::size_t n_drops, const DetectorScore& onsets, const RestitutionLaw& truth,
                      const fit::FitResult& true_times, const fit::FitResult& sound);
 
 // The experiment of Montaine et al., doi:10.1103/PhysRevE.84.041306: 2,320 drops of 95 bounces are 220,400 impacts.

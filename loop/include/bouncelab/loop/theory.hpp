@@ -100,7 +100,7 @@ Description members_of(const ReservoirCheck*);
 /// @param simulated   whole drops; states are not used
 /// @param reservoirs  sim::reservoirs_after() of them
 /// @param truth       the true times as onsets; `drop` and `impact` number the impact simulated
-/// @param match       OnsetScore::match: for each true time the index of its onset
+/// @param match       DetectorScore::match: for each true time the index of its onset
 /// @param samples     of `onsets`
 /// @param fitted      of `samples`
 /// @return nothing where there is no law, or fewer than 3 drops, or none that scatters

@@ -184,8 +184,8 @@ SynthesisConfig config_of_drop(const SynthesisConfig& config, const Levels& leve
 /// NAME.0017.wav for out = NAME.wav and drop 17.
 std::filesystem::path path_of_drop(const std::filesystem::path& out, std::int64_t drop);
 
-/// The truth as onsets, for scoring a detection (detection::score_onsets) and for intervals without timing errors: t_s
-/// is the begin of contact at the plate, without standard error and flags, because it is exact whatever the sound.
+/// The truth as onsets, for intervals without timing errors: t_s is the begin of contact at the plate, without standard
+/// error and flags, because it is exact whatever the sound.
 /// @param recording  name of the sound file, as the detection is given it
 Onsets onsets_of_truth(const std::vector<TrueImpact>& truth, const std::string& recording);
 /// The truth as an `onsets` table with further columns: contact_time_s, travel_time_s, x_m, y_m, v_mps.
