@@ -28,21 +28,13 @@ struct ContactModel {
   // levels of impacts in bands
   std::size_t fewest_impacts = 8;
   std::size_t fewest_bands = 6;
-  std::size_t most_impacts = 192;  ///< beyond, the scatter of the levels limits the result
   std::size_t most_bands = 60;
-  std::size_t fewest_bins = 6;       ///< a band holds a mode and not a part of one
-  std::size_t neighbours = 4;        ///< bands on either side that are smoothed over
-  double least_speed = 0.125;        ///< of the fastest impact; the ringing of others is louder than slower ones
-  double least_template_snr = 30.0;  ///< energy of the template over that of the noise left in it
-  double same_impact_s = 1e-3;
-  double least_pulse = 0.25;      ///< of P; near its first zero the model of the pulse does not hold
-  double most_argument = 1.5;     ///< f tau: beyond lie the pulse's side lobes
-  double least_scatter = 0.03;    ///< of a level, relative; less than any ball has
-  double huber = 2.5;             ///< Huber's threshold [standard deviations]
-  double most_of_residual = 9.0;  ///< square of one, in variances
-  double most_of_square = 100.0;  ///< of one residual, in variances
-  double typical = 1.3;           ///< mean of squares that noise alone hardly exceeds
-  double inflation_prior = 4.0;   ///< weight of an inflation of 1, in bands
+  std::size_t fewest_bins = 6;        ///< a band holds a mode and not a part of one
+  std::size_t neighbours = 4;         ///< bands on either side that are smoothed over
+  double least_template_snr = 300.0;  ///< energy of the template over that of the noise left in it
+  double most_argument = 1.25;  ///< f tau: there P = 0.25, and near its first zero the model of the pulse does not hold
+  double least_scatter = 0.01;  ///< less than any ball has
+  double huber = 2.5;           ///< Huber's threshold [standard deviations]
 };
 
 BOUNCELAB_MODEL ContactModel kContact;
@@ -54,7 +46,7 @@ struct PulseSpectrum {
   double value = 0.0;
   double slope = 0.0;
 };
-/// P(x) and P'(x) for x >= 0, by linear interpolation in steps of 1/512: to 1e-5. Beyond x = 4 both are 0.
+/// P(x) and P'(x) for x >= 0, by cubic interpolation: to 1e-6. Beyond x = 4 both are 0.
 PulseSpectrum pulse_spectrum(double x);
 
 /// Amplitude of each band of the template in each of a drop's impacts.
@@ -65,10 +57,9 @@ struct BandLevels {
   std::vector<std::vector<double>> level;  ///< by impact and band, in units of the template
 };
 
-/// Levels of up to sixty bands, each the projection of the sound on the template, of at most 192 impacts. Left out are
-/// bands with less energy than half of their neighbours, which hold the skirts of others' modes, bands in which the
-/// template itself is mostly noise, and impacts slower than an eighth of the fastest. The own noise of an impact that
-/// the template was estimated from is in the template too; its contribution is subtracted.
+/// Levels of up to sixty bands, each the projection of the sound on the template. Left out are bands with less energy
+/// than half of their neighbours, which hold the skirts of others' modes, and those in which noise is a part of the
+/// template.
 /// @param impacts  with known speeds
 BandLevels measure_levels(WhiteSound& white, const ImpactTemplate& learned, const std::vector<TimedImpact>& impacts);
 
@@ -96,10 +87,13 @@ double contact_delay(double v_mps, double reference_scaling);
 ///
 ///   level_km = c_k h_m P(f_m tau_1 u_k) (1 + scatter) + noise,   u_k = v_k^(-1/5)
 ///
-/// with an amplitude c_k for each impact and a response h_m for each band, by Gauss-Newton steps from
-/// tau_1 = 30 us (steel on glass). tau_1 is estimated per band and pooled; the between-band scatter sets weights and
-/// error, so that a mode whose level drifts with the place struck counts once and not once an impact. Absent with fewer
-/// than eight impacts or six usable bands.
+/// with an amplitude c_k for each impact and a response h_m for each band: a Gauss-Newton fit with variances of scatter
+/// and noise, Huber's weights, and c_k and h_m removed by two-way demeaning. Only bands in which P is at least 0.25 at
+/// all impacts count; the fit begins at the longest contact that leaves six bands, since from short ones it may end
+/// where the bands lie in the side lobes of the pulse. The scatter between bands sets the error, so that a mode whose
+/// level drifts with the place struck counts once and not once an impact. Absent with fewer than eight impacts or six
+/// such bands, or where they tell less of the contact time than that it is a ball's.
+/// @param levels  of bands in the order of their frequencies
 std::optional<ContactFit> fit_contact(const BandLevels& levels);
 
 /// The contact law that the frequencies of a sound suggest: (0.4 +- 0.25) / rms_hz, since a pulse of force of duration
