@@ -148,6 +148,26 @@ TEST(CorrelationPeaks, HoldEveryCycleOfAPacketTheHighestFirst) {
               0.5 * (1.0 - std::exp(-2.0 * 400.0 / 3600.0)), 0.01);
 }
 
+TEST(CorrelationPeaks, NearTheNyquistFrequencyStandBetweenTheSteps) {
+  // 13.1 kHz at 32 kHz: half a step beside its peak a cosine is 0.8 of it, and the next cycle of this packet 0.95
+  constexpr double kCycle = 2.44;  // samples
+  const auto packet = [](double centre) {
+    std::vector<float> x(kWindow);
+    for (std::size_t n = 0; n < kWindow; ++n) {
+      const double t = static_cast<double>(n) - centre;
+      x[n] = static_cast<float>(std::exp(-t * t / 60.0) * std::sin(2.0 * kPi * t / kCycle));
+    }
+    return x;
+  };
+  audio::RealFft fourier(kWindow);
+  const MatchedFilter filter(fourier.forward(packet(500.0)), kWindow);
+  for (double delay = 5.0; delay < 6.0; delay += 0.05) {
+    const CorrelationPeak peak = Correlation(filter, fourier.forward(packet(500.0 + delay)), -20.0, 20.0).highest();
+    EXPECT_NEAR(peak.shift, delay, 0.05);
+    EXPECT_NEAR(peak.log_likelihood_ratio, 0.5 * filter.energy(), 0.02 * filter.energy()) << delay;
+  }
+}
+
 TEST(LowBand, PassesWhatIsLowWithoutDelayAndNothingElse) {
   constexpr double kRate_hz = 48e3;
   std::vector<float> x(48000);
