@@ -111,7 +111,7 @@ void average(TemplateEstimation& e);
 /// @param search  anew within a millisecond, not only about the last position
 void align(TemplateEstimation& e, bool search);
 
-/// What the template leaves of a training impact, up to where its end falls to 0: the impact rings on.
+/// What the template leaves of a training impact, tapered as the template is: the impact rings on.
 std::vector<float> residual_of(TemplateEstimation& e, const TrainingImpact& impact);
 
 /// The first template: that of the strongest impact that three quarters of the others correlate with; where none is,

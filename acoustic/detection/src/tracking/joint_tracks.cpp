@@ -3,10 +3,12 @@
 //
 //   for each ball A that could be dropped if there were no rhythms, the longest first:
 //     balls = {A}
-//     repeat: B = the longest ball in the sounds that `balls` leave over, and at the same time
-//             search A, B ... anew, each in the sounds that the others leave over, until none changes
-//             keep B if all together are more probable than one ball, one rhythm, or the tracks found one by one,
-//             and B is neither an echo of A nor the rattling of a loose plate
+//     repeat, with all of the last ball known, its first half, or its second; of the three results the most probable:
+//             B = the longest ball in the sounds that are no impacts of `balls`, and at the same time
+//             search A, B ... anew, each in the sounds that are no impacts of the others, until none changes
+//             keep B if all together are more probable than without it, than one ball, one rhythm, or the tracks found
+//             one by one, and B is neither an echo, one of many reflections, nor a codec's noise before impacts of A,
+//             nor the rattling of a loose plate
 //     if there are several: they take the place of the tracks found one by one
 #include <algorithm>
 #include <array>

@@ -137,7 +137,8 @@ const RecordingDetection* first_found(const std::vector<RecordingDetection>& rec
 /// sigma_t_s is the standard error of t_s relative to the times of its neighbours, independent from impact to impact:
 /// that of an interval is the root of the sum of two squares. It excludes errors that all times of a drop share: a
 /// constant (where in the template contact begins) and the error of the contact law, d (v^(-1/5) - const) / 2 with d =
-/// contact_time_sigma_s, which is 1 us over a drop of steel balls but some 10 ns from one impact to the next.
+/// contact_time_sigma_s, which is 1 us over a drop of steel balls but some 10 ns from one impact to the next: these 10
+/// ns are in sigma_t_s, but for what the pulse's shape adds to d.
 ///
 /// Reads the recording in pieces, several times; holds at most 2^24 of its samples, its candidates (about 150 bytes
 /// each) and the onsets. May run in several threads at once. t_s counts from the first sample [s].
