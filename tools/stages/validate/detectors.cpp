@@ -192,7 +192,7 @@ void check_within(const Case& c, const loop::TrueTimes& truth) {
 
 loop::DetectorScore score_of(const loop::TrueTimes& truth, Onsets marked, double duration_s, double processor_s,
                              bool annotated_only) {
-  const loop::DetectorScore score = loop::score_detector(truth, marked, duration_s, processor_s);
+  loop::DetectorScore score = loop::score_detector(truth, marked, duration_s, processor_s);
   if (!annotated_only || truth.onsets.empty()) return score;
   constexpr double kAside_s = 5e-3;  // less than between the last impacts that are heard as two
   const auto [first, last] = std::minmax_element(truth.onsets.begin(), truth.onsets.end(),
