@@ -151,8 +151,6 @@ TEST(Ball, AShellsInertiaIsThatOfTwoSpheres) {
     EXPECT_NEAR(shell_inertia_factor(mean, 1.0), 0.4 * (1.0 - std::pow(a, 5)) / mean, 10 * kRounding);
   }
   EXPECT_NEAR(shell_inertia_factor(1e-6, 1.0), 2.0 / 3.0, 1e-6);
-  EXPECT_NEAR(no_slip_factor(2.0 / 3.0), 0.6, kRounding);
-  EXPECT_NEAR(no_slip_factor(kSolidBallInertia), 5.0 / 7.0, kRounding);
 }
 
 TEST(Ball, ContactIsHertzsWhereHeHoldsElseAsMeasured) {

@@ -71,7 +71,7 @@ class Scatter {
 
   Sides at(double v_mps) const {
     const double unit =
-        no_slip_factor(config_.inertia_factor) * (1.0 + restitution(config_.law, v_mps)) * config_.offset_variance;
+        (1.0 + restitution(config_.law, v_mps)) * config_.offset_variance / (1.0 + config_.inertia_factor);
     double below = 0.0, above = 0.0, n = 0.0;
     for (const Path& path : paths_) {
       if (v_mps >= path.v_mps.front()) continue;
@@ -243,7 +243,7 @@ std::vector<Estimate> estimates_of(const RestitutionSamples& samples, const LawF
 
 RestitutionSamples calibration_samples(const CalibrationConfig& config, std::uint64_t index) {
   Random random(config.seed, RandomStream::test, index);
-  const double spread = std::sqrt(config.offset_variance), c = no_slip_factor(config.inertia_factor);
+  const double spread = std::sqrt(config.offset_variance), c = 1.0 / (1.0 + config.inertia_factor);
   RestitutionSamples samples;
   for (std::int64_t drop = 0; samples.size() < config.n_samples; ++drop) {
     double v = config.v_hi_mps * std::sqrt(random.uniform(kLowestHeight, 1.0));

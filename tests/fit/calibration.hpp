@@ -15,8 +15,9 @@ namespace bouncelab::fit {
 /// A study of the law's fit and of the slopes of p(eps) on drops of known law whose scatter has the closed form of a
 /// rough ball (docs/physics.md): each drop from v_hi down to v_lo,
 ///
-///   eps~ = eps(v) + (1 + e) (theta . u / v - c theta^2),   u' = u - c (1 + e) v theta,   v' = eps~ v,   c =
-///   no_slip_factor
+///   eps~ = eps(v) + (1 + e) (theta . u / v - c theta^2),   u' = u - c (1 + e) v theta,   v' = eps~ v
+///
+/// with c = 1/(1 + J/(m R^2)),
 ///
 /// theta the offset of the contact point over the ball's radius (two components, normal, variance offset_variance), u
 /// the velocity gained sideways and by spin, 0 at release. Impacts of one drop share u: they are not independent. To

@@ -123,15 +123,9 @@ std::int64_t ScratchFile::append(std::string_view bytes) {
 }
 
 std::string ScratchFile::at(std::int64_t first, std::size_t n) const {
-  std::string bytes(n, '\0');
-  for (std::size_t done = 0; done < n;) {
-    const ssize_t got =
-        ::pread(state_->file.get(), bytes.data() + done, n - done, first + static_cast<std::int64_t>(done));
-    if (got < 0 && errno == EINTR) continue;
-    if (got <= 0)
-      throw FileError(state_->name, "its temporary file cannot be read: " + std::string(std::strerror(errno)));
-    done += static_cast<std::size_t>(got);
-  }
+  std::string bytes = FileBytes(state_->file.get(), state_->name).text(first, n);
+  if (bytes.size() < n)
+    throw FileError(state_->name, "its temporary file cannot be read: " + std::string(std::strerror(errno)));
   return bytes;
 }
 

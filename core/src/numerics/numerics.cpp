@@ -35,12 +35,6 @@ double bessel(BesselFunction function, const char* name, int n, double x) {
   return result.val;
 }
 
-template <class T>
-std::unique_ptr<T, void (*)(T*)> owned(T* allocated, void (*release)(T*)) {
-  if (allocated == nullptr) throw std::bad_alloc();
-  return {allocated, release};
-}
-
 }  // namespace
 
 void switch_off_gsl_error_handler() { [[maybe_unused]] static const auto before = gsl_set_error_handler_off(); }
@@ -84,7 +78,9 @@ double root_between(const std::function<double(double)>& f, double lo, double hi
   constexpr int kMaxSteps = 200;  // halving alone takes 60
   std::function<double(double)> copy = f;
   gsl_function function{[](double x, void* g) { return (*static_cast<std::function<double(double)>*>(g))(x); }, &copy};
-  const auto solver = owned(gsl_root_fsolver_alloc(gsl_root_fsolver_brent), gsl_root_fsolver_free);
+  const std::unique_ptr<gsl_root_fsolver, void (*)(gsl_root_fsolver*)> solver(
+      gsl_root_fsolver_alloc(gsl_root_fsolver_brent), gsl_root_fsolver_free);
+  if (!solver) throw std::bad_alloc();
   check(gsl_root_fsolver_set(solver.get(), &function, lo, hi),
         "root: no change of sign between " + std::to_string(lo) + " and " + std::to_string(hi));
   for (int step = 0; step < kMaxSteps; ++step) {

@@ -22,8 +22,6 @@ double shell_inertia_factor(double mean_density_kgpm3, double shell_density_kgpm
   return 0.4 * (1.0 - pow(1.0 - filled, 5.0 / 3.0)) / filled;
 }
 
-double no_slip_factor(double inertia_factor) { return 1.0 / (1.0 + inertia_factor); }
-
 double drag_rate_per_s(const Ball& ball, const Air& air, double v_mps) {
   const double reynolds = 2.0 * ball.radius_m * v_mps * air.density_kgpm3 / air.viscosity_pas;
   const double stokes_per_s = 4.5 * air.viscosity_pas / (ball.material.density_kgpm3 * square(ball.radius_m));

@@ -23,24 +23,35 @@ const std::vector<Unit> kTimes{{"us", 1.0, 1e6}, {"ms", 1.0, 1e3}, {"s", 1.0, 1.
 const std::vector<Unit> kPressures{{"GPa", 1e9, 1.0}, {"MPa", 1e6, 1.0}, {"kPa", 1e3, 1.0}, {"Pa", 1.0, 1.0}};
 const std::vector<Unit> kNone{};
 
+/// What a description is made of: NAME, NAME:SIZE, KEY=VALUE, between commas.
+struct WrittenBall {
+  std::string name{};  ///< empty: numbers only
+  std::optional<double> radius_m{}, diameter_m{}, mass_kg{}, density_kgpm3{}, modulus_pa{}, poisson_ratio{},
+      inertia_factor{}, contact_time_s{};
+};
+
 /// A number of a description, and what it may be.
 struct Quantity {
   const char* key;
   const std::vector<Unit>* units;
   double least, greatest;  ///< in SI
   const char* range;
+  std::optional<double> WrittenBall::*value;
 };
-const std::vector<Quantity> kQuantities{
-    {"diameter", &kLengths, 2e-6, 2.0, "from 2 um to 2 m, such as 6mm"},
-    {"radius", &kLengths, 1e-6, 1.0, "from 1 um to 1 m, such as 3mm"},
-    {"mass", &kMasses, 1e-12, 1e6, "from 1e-6 mg to 1e6 kg, such as 2.7g"},
-    {"density", &kNone, 10.0, 3e4, "from 10 to 30000, in kg/m^3, such as 7900 (of 7.9 g/cm^3)"},
-    {"E", &kPressures, 1e3, 2e12, "from 1 kPa to 2000 GPa, such as 200GPa"},
-    {"nu", &kNone, 0.0, 0.4999, "from 0 to 0.4999"},
-    {"inertia", &kNone, 1e-3, 1.0, "from 0.001 to 1: J over m R^2, 0.4 of a solid sphere, 0.667 of a thin shell"},
-    {"contact-time", &kTimes, 1e-7, 1.0, "from 0.1 us to 1 s, such as 0.8ms"},
-};
-const std::map<std::string, std::string, std::less<>> kShort{{"d", "diameter"}, {"r", "radius"}};
+using W = WrittenBall;
+const Quantity kDiameter{"diameter", &kLengths, 2e-6, 2.0, "from 2 um to 2 m, such as 6mm", &W::diameter_m};
+const Quantity kRadius{"radius", &kLengths, 1e-6, 1.0, "from 1 um to 1 m, such as 3mm", &W::radius_m};
+const Quantity kMass{"mass", &kMasses, 1e-12, 1e6, "from 1e-6 mg to 1e6 kg, such as 2.7g", &W::mass_kg};
+const Quantity kDensity{
+    "density", &kNone, 10.0, 3e4, "from 10 to 30000, in kg/m^3, such as 7900 (of 7.9 g/cm^3)", &W::density_kgpm3};
+const Quantity kModulus{"E", &kPressures, 1e3, 2e12, "from 1 kPa to 2000 GPa, such as 200GPa", &W::modulus_pa};
+const Quantity kPoisson{"nu", &kNone, 0.0, 0.4999, "from 0 to 0.4999", &W::poisson_ratio};
+const Quantity kInertia{
+    "inertia",         &kNone, 1e-3, 1.0, "from 0.001 to 1: J over m R^2, 0.4 of a solid sphere, 0.667 of a thin shell",
+    &W::inertia_factor};
+const Quantity kContactTime{"contact-time",    &kTimes, 1e-7, 1.0, "from 0.1 us to 1 s, such as 0.8ms",
+                            &W::contact_time_s};
+
 /// What a word of every day means; a ball that is sold in one size mostly has that where none is given.
 struct OtherName {
   std::string meant;
@@ -51,8 +62,6 @@ const std::map<std::string, OtherName, std::less<>> kOtherNames{
     {"pool", {"billiard"}},           {"marble", {"glass", 0.016}},        {"glass-marble", {"glass", 0.016}},
     {"bouncy", {"superball", 0.027}}, {"superball", {"superball", 0.027}}, {"golfball", {"golf"}},
     {"aluminum", {"aluminium"}},      {"silicon-carbide", {"sic"}}};
-using Numbers = std::map<std::string, double, std::less<>>;
-
 [[noreturn]] void refuse(std::string_view kind, std::string_view text, const std::string& why) {
   throw InvalidArgument(std::string(kind) + " '" + printable(text) + "': " + why);
 }
@@ -69,72 +78,51 @@ std::optional<double> in_si(std::string_view text, const Quantity& quantity) {
   return std::nullopt;
 }
 
-/// What a description is made of: NAME, NAME:SIZE, KEY=VALUE, between commas.
-struct WrittenBall {
-  std::string name;  ///< empty: numbers only
-  Numbers numbers;
-};
+/// "marble 25mm", as people write it.
+std::size_t blank_before_size(std::string_view part) {
+  const std::size_t digit = part.find_first_of("0123456789");
+  const bool is_size = part.find('=') == std::string_view::npos && digit != std::string_view::npos && digit > 1;
+  return is_size && part[digit - 1] == ' ' ? digit - 1 : std::string_view::npos;
+}
 
-class DescriptionReader {
- public:
-  DescriptionReader(std::string_view kind, std::string_view text, std::vector<std::string> keys)
-      : kind_(kind), text_(text), keys_(std::move(keys)) {}
-
-  WrittenBall read() const {
-    WrittenBall result;
-    for (std::size_t begin = 0; begin <= text_.size();) {
-      const std::size_t end = std::min(text_.find(',', begin), text_.size());
-      const std::string_view part = text_.substr(begin, end - begin);
-      std::size_t colon = part.find(':');
-      if (colon == std::string_view::npos) colon = blank_before_size(part);
-      const bool has_name = colon != std::string_view::npos || part.find('=') == std::string_view::npos;
-      if (has_name && begin > 0) refuse(kind_, text_, "'" + printable(part) + "' is not KEY=VALUE");
-      if (has_name) {
-        result.name = std::string(part.substr(0, colon));
-        if (colon != std::string_view::npos) add_size(part.substr(colon + 1), result.numbers);
-      } else {
-        add(part, result.numbers);
-      }
-      begin = end + 1;
+/// @param kind  "ball", "plate", for messages. @param quantities  that it may have
+WrittenBall read_description(std::string_view kind, std::string_view text,
+                             const std::vector<const Quantity*>& quantities) {
+  WrittenBall result;
+  const auto add = [&](std::string_view key, std::string_view value) {
+    if (key == "d") key = kDiameter.key;
+    if (key == "r") key = kRadius.key;
+    std::string names;
+    for (const Quantity* quantity : quantities) {
+      names += (names.empty() ? "" : ", ") + std::string(quantity->key);
+      if (key != quantity->key) continue;
+      const std::optional<double> number = in_si(value, *quantity);
+      if (!number || !(*number >= quantity->least && *number <= quantity->greatest))
+        refuse(kind, text, std::string(key) + " '" + printable(value) + "' must be " + quantity->range);
+      if (result.*(quantity->value)) refuse(kind, text, std::string(key) + " is given twice");
+      result.*(quantity->value) = number;
+      return;
     }
-    return result;
-  }
-
- private:
-  /// "marble 25mm", as people write it.
-  static std::size_t blank_before_size(std::string_view part) {
-    const std::size_t digit = part.find_first_of("0123456789");
-    const bool is_size = part.find('=') == std::string_view::npos && digit != std::string_view::npos && digit > 1;
-    return is_size && part[digit - 1] == ' ' ? digit - 1 : std::string_view::npos;
-  }
-
-  void add_size(std::string_view size, Numbers& numbers) const {
-    if (size.find('=') != std::string_view::npos)
-      add(size, numbers);
-    else
-      add("diameter=" + std::string(size), numbers);
-  }
-
-  void add(std::string_view part, Numbers& numbers) const {
-    const auto equals = part.find('=');
-    std::string key(part.substr(0, equals));
-    if (const auto known = kShort.find(key); known != kShort.end()) key = known->second;
-    const auto quantity =
-        std::find_if(kQuantities.begin(), kQuantities.end(), [&](const Quantity& q) { return key == q.key; });
-    if (quantity == kQuantities.end() || std::find(keys_.begin(), keys_.end(), key) == keys_.end()) {
-      std::string known;
-      for (const std::string& k : keys_) known += (known.empty() ? "" : ", ") + k;
-      refuse(kind_, text_, "'" + printable(key) + "' is none of " + known);
+    refuse(kind, text, "'" + printable(key) + "' is none of " + names);
+  };
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const std::size_t end = std::min(text.find(',', begin), text.size());
+    std::string_view part = text.substr(begin, end - begin);
+    const std::size_t colon = part.find(':') != std::string_view::npos ? part.find(':') : blank_before_size(part);
+    if (colon != std::string_view::npos || part.find('=') == std::string_view::npos) {
+      if (begin > 0) refuse(kind, text, "'" + printable(part) + "' is not KEY=VALUE");
+      result.name = part.substr(0, colon);
+      part.remove_prefix(std::min(colon, part.size() - 1) + 1);
     }
-    const std::optional<double> value = in_si(part.substr(equals + 1), *quantity);
-    if (!value || !(*value >= quantity->least && *value <= quantity->greatest))
-      refuse(kind_, text_, key + " '" + printable(part.substr(equals + 1)) + "' must be " + quantity->range);
-    if (!numbers.emplace(key, *value).second) refuse(kind_, text_, key + " is given twice");
+    const std::size_t equals = part.find('=');
+    if (equals != std::string_view::npos)
+      add(part.substr(0, equals), part.substr(equals + 1));
+    else if (colon != std::string_view::npos)
+      add(kDiameter.key, part);
+    begin = end + 1;
   }
-
-  std::string_view kind_, text_;
-  std::vector<std::string> keys_;
-};
+  return result;
+}
 
 /// "Tennis balls" -> "tennis"
 std::string as_in_catalogue(std::string name) {
@@ -169,44 +157,35 @@ const Kind& kind_named(std::string_view what, std::string_view text, const std::
          "'" + printable(name) + "' is not known" + advice + " (bouncelab balls lists balls, materials and plates)");
 }
 
-const double* find(const Numbers& numbers, std::string_view key) {
-  const auto found = numbers.find(key);
-  return found == numbers.end() ? nullptr : &found->second;
-}
-
 /// E and nu, which make the contact Hertz's, into the material.
-void set_elastic(std::string_view kind, std::string_view text, const Numbers& numbers, Material& material) {
-  const double *e = find(numbers, "E"), *nu = find(numbers, "nu");
-  if (e == nullptr && nu == nullptr) return;
-  if (!material.hertzian && (e == nullptr || nu == nullptr)) refuse(kind, text, "E and nu belong together: give both");
-  if (e != nullptr) material.youngs_modulus_pa = *e;
-  if (nu != nullptr) material.poisson_ratio = *nu;
+void set_elastic(std::string_view kind, std::string_view text, const WrittenBall& given, Material& material) {
+  if (!given.modulus_pa && !given.poisson_ratio) return;
+  if (!material.hertzian && !(given.modulus_pa && given.poisson_ratio))
+    refuse(kind, text, "E and nu belong together: give both");
+  material.youngs_modulus_pa = given.modulus_pa.value_or(material.youngs_modulus_pa);
+  material.poisson_ratio = given.poisson_ratio.value_or(material.poisson_ratio);
   material.hertzian = true;
 }
 
 /// "6mm": a text that is read as exactly this number, with the unit if one allows that.
 std::string length_text(double length_m) {
   const std::string text = number_text(length_m * 1e3) + "mm";
-  return in_si(text, kQuantities.front()) == length_m ? text : number_text(length_m) + "m";
+  return in_si(text, kDiameter) == length_m ? text : number_text(length_m) + "m";
 }
 
 std::string modulus_text(double modulus_pa) {
   const std::string text = number_text(modulus_pa / 1e9) + "GPa";
-  return in_si(text, kQuantities[4]) == modulus_pa ? text : number_text(modulus_pa) + "Pa";
+  return in_si(text, kModulus) == modulus_pa ? text : number_text(modulus_pa) + "Pa";
 }
 
 }  // namespace
 
 Ball ball_from_text(const std::string& text) {
   constexpr std::string_view kBall = "ball";
-  const WrittenBall given =
-      DescriptionReader(kBall, text, {"radius", "diameter", "mass", "density", "E", "nu", "inertia", "contact-time"})
-          .read();
-  const Numbers& numbers = given.numbers;
-  const double *radius = find(numbers, "radius"), *diameter = find(numbers, "diameter");
-  const double *mass = find(numbers, "mass"), *density = find(numbers, "density");
-  if (radius != nullptr && diameter != nullptr) refuse(kBall, text, "radius or diameter, not both");
-  if (mass != nullptr && density != nullptr) refuse(kBall, text, "mass or density, not both");
+  const WrittenBall given = read_description(
+      kBall, text, {&kRadius, &kDiameter, &kMass, &kDensity, &kModulus, &kPoisson, &kInertia, &kContactTime});
+  if (given.radius_m && given.diameter_m) refuse(kBall, text, "radius or diameter, not both");
+  if (given.mass_kg && given.density_kgpm3) refuse(kBall, text, "mass or density, not both");
   Ball ball;
   ball.material = {0.0, 0.0, 0.0, false};
   std::optional<double> radius_m;
@@ -217,18 +196,19 @@ Ball ball_from_text(const std::string& text) {
     if (kind.diameter_m) radius_m = 0.5 * *kind.diameter_m;
     if (const OtherName* other = other_name(given.name); other && other->usual_diameter_m)
       radius_m = 0.5 * *other->usual_diameter_m;
-    if (kind.diameter_m && (radius != nullptr || diameter != nullptr) && mass == nullptr && density == nullptr)
+    if (kind.diameter_m && (given.radius_m || given.diameter_m) && !given.mass_kg && !given.density_kgpm3)
       refuse(kBall, text, "the rules give a " + kind.name + " ball its size; one of another size needs its mass= too");
   }
-  if (radius != nullptr) radius_m = *radius;
-  if (diameter != nullptr) radius_m = 0.5 * *diameter;
+  if (given.radius_m) radius_m = given.radius_m;
+  if (given.diameter_m) radius_m = 0.5 * *given.diameter_m;
   if (!radius_m)
     refuse(kBall, text,
            given.name.empty() ? "radius= or diameter= is missing"
                               : "its size is missing: " + given.name + ":6mm is a diameter of 6 mm");
   ball.radius_m = *radius_m;
-  if (density != nullptr) ball.material.density_kgpm3 = *density;
-  if (mass != nullptr) ball.material.density_kgpm3 = *mass / (4.0 / 3.0 * kPi * *radius_m * *radius_m * *radius_m);
+  if (given.density_kgpm3) ball.material.density_kgpm3 = *given.density_kgpm3;
+  if (given.mass_kg)
+    ball.material.density_kgpm3 = *given.mass_kg / (4.0 / 3.0 * kPi * *radius_m * *radius_m * *radius_m);
   constexpr double kLeast_kgpm3 = 1.0, kGreatest_kgpm3 = 3e4;  // a ball that is blown up is as light as air
   if (!(ball.material.density_kgpm3 >= kLeast_kgpm3 && ball.material.density_kgpm3 <= kGreatest_kgpm3))
     refuse(kBall, text,
@@ -236,9 +216,9 @@ Ball ball_from_text(const std::string& text) {
                ? "mass= or density= is missing"
                : "mass and size make a density of " + formatted("%.4g kg/m^3", ball.material.density_kgpm3) +
                      "; it must be from 1 to 30000");
-  set_elastic(kBall, text, numbers, ball.material);
-  if (const double* inertia = find(numbers, "inertia")) ball.inertia_factor = *inertia;
-  if (const double* time = find(numbers, "contact-time")) ball.contact_time_s = *time;
+  set_elastic(kBall, text, given, ball.material);
+  if (given.inertia_factor) ball.inertia_factor = *given.inertia_factor;
+  ball.contact_time_s = given.contact_time_s;
   return ball;
 }
 
@@ -269,11 +249,11 @@ std::string describe(const Ball& ball) {
 
 Material plate_from_text(const std::string& text) {
   constexpr std::string_view kPlate = "plate";
-  const WrittenBall given = DescriptionReader(kPlate, text, {"E", "nu", "density"}).read();
+  const WrittenBall given = read_description(kPlate, text, {&kModulus, &kPoisson, &kDensity});
   Material plate{0.0, 0.0, 0.0, false};
   if (!given.name.empty()) plate = kind_named(kPlate, text, given.name, plate_kinds()).material;
-  if (const double* density = find(given.numbers, "density")) plate.density_kgpm3 = *density;
-  set_elastic(kPlate, text, given.numbers, plate);
+  if (given.density_kgpm3) plate.density_kgpm3 = *given.density_kgpm3;
+  set_elastic(kPlate, text, given, plate);
   if (!(plate.youngs_modulus_pa > 0.0 && plate.density_kgpm3 > 0.0))
     refuse(kPlate, text, "give a name, or E=, nu= and density=");
   return plate;

@@ -25,15 +25,17 @@ double evaluate(const ViscoelasticLaw& law, double v_mps) {
 
 double evaluate(const ConstantLaw& law, double) { return law.eps; }
 
+/// The number of the first speed above v.
+std::size_t above(const TableLaw& law, double v_mps) {
+  return static_cast<std::size_t>(std::upper_bound(law.v_mps.begin(), law.v_mps.end(), v_mps) - law.v_mps.begin());
+}
 double evaluate(const TableLaw& law, double v_mps) {
-  const auto above = std::upper_bound(law.v_mps.begin(), law.v_mps.end(), v_mps);
-  if (above == law.v_mps.begin()) return law.eps.front();
-  if (above == law.v_mps.end()) return law.eps.back();
-  const auto k = static_cast<std::size_t>(above - law.v_mps.begin());
+  const std::size_t k = above(law, v_mps);
+  if (k == 0) return law.eps.front();
+  if (k == law.v_mps.size()) return law.eps.back();
   const double share = (v_mps - law.v_mps[k - 1]) / (law.v_mps[k] - law.v_mps[k - 1]);
   return law.eps[k - 1] + share * (law.eps[k] - law.eps[k - 1]);
 }
-
 double slope(const SeriesLaw& law, double v_mps) {
   const double root = pow(v_mps, 0.1);
   double sum = 0.0;
@@ -52,9 +54,8 @@ double slope(const ViscoelasticLaw& law, double v_mps) {
 double slope(const ConstantLaw&, double) { return 0.0; }
 
 double slope(const TableLaw& law, double v_mps) {
-  const auto above = std::upper_bound(law.v_mps.begin(), law.v_mps.end(), v_mps);
-  if (above == law.v_mps.begin() || above == law.v_mps.end()) return 0.0;
-  const auto k = static_cast<std::size_t>(above - law.v_mps.begin());
+  const std::size_t k = above(law, v_mps);
+  if (k == 0 || k == law.v_mps.size()) return 0.0;
   return (law.eps[k] - law.eps[k - 1]) / (law.v_mps[k] - law.v_mps[k - 1]);
 }
 

@@ -283,15 +283,9 @@ Table read_csv(const std::filesystem::path& path, const std::vector<ColumnSpec>&
 
 namespace {
 
-bool is_blank(char c) { return c == ' ' || c == '\t'; }
-
-bool needs_quotes(std::string_view text) {
-  return text.find_first_of(",\"\r\n") != std::string_view::npos ||
-         (!text.empty() && (is_blank(text.front()) || is_blank(text.back())));
-}
-
 void write_cell(std::string& out, std::string_view text) {
-  if (!needs_quotes(text)) {
+  const bool is_plain = text.find_first_of(",\"\r\n") == std::string_view::npos && trimmed(text) == text;
+  if (is_plain) {
     out += text;
     return;
   }
@@ -303,34 +297,16 @@ void write_cell(std::string& out, std::string_view text) {
   out += '"';
 }
 
-/// Cells of rows as text.
-struct Writer {
-  std::string& out;
-  bool alone;  // in its row: an empty cell would be a blank line, which is skipped on reading
+template <class Number>
+requires std::is_arithmetic_v<Number>
+void write_cell(std::string& out, Number value) {
+  char buffer[32];
+  out.append(buffer, bouncelab::to_chars(buffer, buffer + sizeof buffer, value).ptr);
+}
 
-  template <class T>
-  void number(T value) {
-    char buffer[32];
-    const auto result = bouncelab::to_chars(buffer, buffer + sizeof buffer, value);
-    out.append(buffer, result.ptr);
-  }
-  void nothing() {
-    if (alone) out += "\"\"";
-  }
-  void cell(double value) {
-    if (std::isnan(value))
-      nothing();
-    else
-      number(value);
-  }
-  void cell(std::int64_t value) { number(value); }
-  void cell(const std::string& text) {
-    if (text.empty())
-      nothing();
-    else
-      write_cell(out, text);
-  }
-};
+bool is_unknown(double value) { return std::isnan(value); }
+bool is_unknown(std::int64_t) { return false; }
+bool is_unknown(const std::string& text) { return text.empty(); }
 
 }  // namespace
 
@@ -346,12 +322,20 @@ void write_csv(std::ostream& out, const Table& table) {
 
 void write_csv_rows(std::ostream& out, const Table& table) {
   constexpr std::size_t kPiece = 65536;  // bytes: a stream takes longer for a cell than its digits do
+  // alone in its row an empty cell would be a blank line, which is skipped on reading
+  const std::string_view unknown = table.columns.size() == 1 ? "\"\"" : "";
   std::string text;
-  Writer writer{text, table.columns.size() == 1};
   for (std::size_t row = 0; row < table.n_rows(); ++row) {
     for (std::size_t k = 0; k < table.columns.size(); ++k) {
       if (k) text += ',';
-      std::visit([&](const auto& values) { writer.cell(values[row]); }, table.columns[k].values);
+      std::visit(
+          [&](const auto& values) {
+            if (is_unknown(values[row]))
+              text += unknown;
+            else
+              write_cell(text, values[row]);
+          },
+          table.columns[k].values);
     }
     text += '\n';
     if (text.size() < kPiece) continue;

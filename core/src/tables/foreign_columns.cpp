@@ -207,9 +207,7 @@ int decimals_of(double rounding) {
 void add_own_columns(const ForeignTable& foreign, const std::vector<ColumnSpec>& own, Table& table) {
   for (const ColumnSpec& spec : own) {
     const auto column = own_column(foreign, spec.name);
-    if (!column ||
-        std::any_of(table.columns.begin(), table.columns.end(), [&](const Column& c) { return c.name == spec.name; }))
-      continue;
+    if (!column || table.has(spec.name)) continue;
     Column values = empty_column(spec);
     auto* const wholes = std::get_if<std::vector<std::int64_t>>(&values.values);
     for (const ForeignTable::Row& row : foreign.rows) {

@@ -160,18 +160,15 @@ Onsets onsets_from_table(const Table& table, const std::string& name, const Onse
     if (!is_numbered) onset.impact = goes_on ? before->impact + 1 : 0;
     before = &onset;
   }
-  const auto times =
-      std::find_if(table.columns.begin(), table.columns.end(), [](const Column& c) { return c.name == "t_s"; });
+  const Column& times = *table.find("t_s");
   for (std::size_t begin = 0, end = 0; begin < onsets.size(); begin = end) {
     const Onset& first = onsets[begin];
     while (end < onsets.size() && onsets[end].recording == first.recording && onsets[end].drop == first.drop) ++end;
-    state_rounding(std::span(onsets).subspan(begin, end - begin), times->rounding(), times->decimals);
+    state_rounding(std::span(onsets).subspan(begin, end - begin), times.rounding(), times.decimals);
   }
-  const auto falls =
-      std::find_if(table.columns.begin(), table.columns.end(), [](const Column& c) { return c.name == "fall_m"; });
   for (Onset& onset : onsets)
     if (onset.fall_m && !onset.sigma_fall_m)
-      onset.sigma_fall_m = falls->rounding(), onset.errors = onset.sigma_fall_m ? kOfDigits : "";
+      onset.sigma_fall_m = table.find("fall_m")->rounding(), onset.errors = onset.sigma_fall_m ? kOfDigits : "";
   return onsets;
 }
 

@@ -182,7 +182,7 @@ RestitutionSamples samples_from_table(const Table& table, const std::string& nam
     throw FileError(name, error.what());
   }
   const bool is_numbered = table.integers("impact") != nullptr;
-  const std::optional<double> rounding = rounding_of(table, "eps");
+  const std::optional<double> rounding = table.find("eps")->rounding();
   for (std::size_t k = 0; k < samples.size(); ++k) {
     RestitutionSample& s = samples[k];
     if (!is_numbered) s.impact = static_cast<std::int64_t>(k);

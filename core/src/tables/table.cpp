@@ -10,13 +10,8 @@ namespace {
 
 template <class T>
 const std::vector<T>* values_of(const Table& table, std::string_view name) {
-  for (const Column& column : table.columns)
-    if (column.name == name) return std::get_if<std::vector<T>>(&column.values);
-  return nullptr;
-}
-
-bool is_of_type(const Column& column, ColumnType type) {
-  return column.values.index() == empty_column({column.name, type}).values.index();
+  const Column* column = table.find(name);
+  return column ? std::get_if<std::vector<T>>(&column->values) : nullptr;
 }
 
 template <class T>
@@ -48,12 +43,6 @@ std::optional<double> Column::rounding() const {
   return std::pow(10.0, -decimals) / std::sqrt(12.0);
 }
 
-std::optional<double> rounding_of(const Table& table, const std::string& name) {
-  for (const Column& column : table.columns)
-    if (column.name == name) return column.rounding();
-  return std::nullopt;
-}
-
 Column empty_column(const ColumnSpec& spec) {
   if (spec.type == ColumnType::real) return {spec.name, std::vector<double>{}};
   if (spec.type == ColumnType::integer) return {spec.name, std::vector<std::int64_t>{}};
@@ -76,10 +65,11 @@ std::string Table::place_of(std::size_t row) const {
   return "line " + std::to_string(std::prev(after)->line + row - std::prev(after)->row);
 }
 
-bool Table::has(std::string_view name) const {
-  return std::any_of(columns.begin(), columns.end(), [&](const Column& column) { return column.name == name; });
+const Column* Table::find(std::string_view name) const {
+  for (const Column& column : columns)
+    if (column.name == name) return &column;
+  return nullptr;
 }
-
 const std::vector<double>* Table::reals(std::string_view name) const { return values_of<double>(*this, name); }
 const std::vector<std::int64_t>* Table::integers(std::string_view name) const {
   return values_of<std::int64_t>(*this, name);
@@ -90,11 +80,11 @@ const std::vector<std::string>* Table::texts(std::string_view name) const {
 
 void check_columns(const Table& table, const std::vector<ColumnSpec>& wanted, const std::string& name) {
   for (const ColumnSpec& spec : wanted) {
-    const auto found = std::find_if(table.columns.begin(), table.columns.end(),
-                                    [&](const Column& column) { return column.name == spec.name; });
-    if (found == table.columns.end() && !spec.required) continue;
-    if (found == table.columns.end()) throw FileError(name, "column '" + spec.name + "' is missing");
-    if (!is_of_type(*found, spec.type)) throw FileError(name, "column '" + spec.name + "' is of another type");
+    const Column* found = table.find(spec.name);
+    if (!found && !spec.required) continue;
+    if (!found) throw FileError(name, "column '" + spec.name + "' is missing");
+    if (found->values.index() != static_cast<std::size_t>(spec.type))
+      throw FileError(name, "column '" + spec.name + "' is of another type");
     if (const auto* reals = std::get_if<std::vector<double>>(&found->values))
       check_values(table, *found, *reals, spec, name);
     if (const auto* integers = std::get_if<std::vector<std::int64_t>>(&found->values))
@@ -108,10 +98,5 @@ std::optional<std::int64_t> whole_number(double value) {
   return static_cast<std::int64_t>(value);
 }
 
-std::string short_number(double value) {
-  char buffer[32];
-  const auto end = bouncelab::to_chars(buffer, buffer + sizeof buffer, value, std::chars_format::general, 6).ptr;
-  return {buffer, end};
-}
-
+std::string short_number(double value) { return formatted("%.6g", value); }
 }  // namespace bouncelab

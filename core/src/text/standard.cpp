@@ -22,19 +22,6 @@ bool is_not_zero(std::string_view text) {
   return text.substr(0, text.find_first_of("eE")).find_first_of("123456789") != std::string_view::npos;
 }
 
-template <class Real>
-std::from_chars_result read(const char* first, const char* last, Real& value) {
-  Real read{};
-  const auto [end, status] = fast_float::from_chars(first, last, read);
-  if (status != std::errc{}) return {end, status};
-  // fast_float 3 rounds to infinity and zero in silence
-  const std::string_view text(first, static_cast<std::size_t>(end - first));
-  const bool is_word = text.find_first_of("nN") != std::string_view::npos;
-  if (!is_word && (std::isinf(read) || (read == 0 && is_not_zero(text)))) return {end, std::errc::result_out_of_range};
-  value = read;
-  return {end, std::errc{}};
-}
-
 std::to_chars_result put(char* first, char* last, std::string_view text) {
   if (last - first < static_cast<std::ptrdiff_t>(text.size())) return {last, std::errc::value_too_large};
   std::memcpy(first, text.data(), text.size());
@@ -48,8 +35,7 @@ struct Decimal {
 };
 
 /// The shortest digits, from fmt's text of the number, in which the point may stand anywhere and an exponent follow.
-template <class Real>
-Decimal shortest(Real value) {
+Decimal shortest(double value) {
   const std::string text = fmt::format("{}", std::abs(value));
   const auto e = std::min(text.find('e'), text.size()), point = std::min(text.find('.'), e);
   Decimal decimal{std::signbit(value) ? "-" : "", "", e < text.size() ? std::atoi(text.c_str() + e + 1) : 0};
@@ -77,8 +63,21 @@ std::string scientific(const Decimal& d) {
          fmt::format("e{}{:02}", d.exponent < 0 ? '-' : '+', std::abs(d.exponent));
 }
 
-template <class Real>
-std::to_chars_result write_shortest(char* first, char* last, Real value) {
+}  // namespace
+
+std::from_chars_result from_chars(const char* first, const char* last, double& value) {
+  double read = 0.0;
+  const auto [end, status] = fast_float::from_chars(first, last, read);
+  if (status != std::errc{}) return {end, status};
+  // fast_float 3 rounds to infinity and zero in silence
+  const std::string_view text(first, static_cast<std::size_t>(end - first));
+  const bool is_word = text.find_first_of("nN") != std::string_view::npos;
+  if (!is_word && (std::isinf(read) || (read == 0 && is_not_zero(text)))) return {end, std::errc::result_out_of_range};
+  value = read;
+  return {end, std::errc{}};
+}
+
+std::to_chars_result to_chars(char* first, char* last, double value) {
   if (!std::isfinite(value)) return put(first, last, fmt::format("{}", value));
   const Decimal decimal = shortest(value);
   const std::string a = fixed(decimal), b = scientific(decimal);
@@ -86,24 +85,9 @@ std::to_chars_result write_shortest(char* first, char* last, Real value) {
   return put(first, last, b.size() < a.size() ? b : a);
 }
 
-}  // namespace
-
-std::from_chars_result from_chars(const char* first, const char* last, double& value) {
-  return read(first, last, value);
-}
-std::from_chars_result from_chars(const char* first, const char* last, float& value) {
-  return read(first, last, value);
-}
-std::to_chars_result to_chars(char* first, char* last, double value) { return write_shortest(first, last, value); }
-std::to_chars_result to_chars(char* first, char* last, float value) { return write_shortest(first, last, value); }
 std::to_chars_result to_chars(char* first, char* last, double value, std::chars_format) {
   if (!std::isfinite(value)) return put(first, last, fmt::format("{}", value));
   return put(first, last, fixed(shortest(value)));
-}
-std::to_chars_result to_chars(char* first, char* last, double value, std::chars_format, int precision) {
-  char text[64];
-  std::snprintf(text, sizeof text, "%.*g", precision, value);
-  return put(first, last, text);
 }
 
 }  // namespace bouncelab

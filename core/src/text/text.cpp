@@ -161,17 +161,8 @@ std::string formatted(const char* format, ...) {
   return text;
 }
 
-namespace {
-
-template <class Real>
-std::string shortest_text(Real value) {
+std::string number_text(double value) {
   char buffer[32];
   return {buffer, bouncelab::to_chars(buffer, buffer + sizeof buffer, value).ptr};
 }
-
-}  // namespace
-
-std::string number_text(double value) { return shortest_text(value); }
-std::string number_text(float value) { return shortest_text(value); }
-
 }  // namespace bouncelab

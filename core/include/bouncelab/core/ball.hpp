@@ -57,10 +57,6 @@ double moment_of_inertia_kgm2(const Ball& ball);
 /// a^3 = 1 - mean density / density of the shell.
 /// @param mean_density_kgpm3  of the whole ball, > 0 and not above that of the shell [kg/m^3]
 double shell_inertia_factor(double mean_density_kgpm3, double shell_density_kgpm3);
-/// c = 1/(1 + J/(m R^2)), what a contact that does not slip takes of a tangential speed: 5/7 solid, 3/5 a thin shell
-/// (docs/physics.md, 7).
-double no_slip_factor(double inertia_factor);
-
 /// Duration of a Hertzian contact of the ball with a half-space [s]:
 ///
 ///   tau = 2.943 (15 m / (16 E* sqrt R))^(2/5) v^(-1/5),   1/E* = (1-nu1^2)/E1 + (1-nu2^2)/E2

@@ -24,8 +24,7 @@
 
 namespace bouncelab {
 
-enum class ColumnType { real, integer, text };
-
+enum class ColumnType { real, integer, text };  // in the order of Column::values
 /// A column by name: reals (an empty cell is NaN), integers or texts.
 struct Column {
   std::string name;
@@ -85,7 +84,9 @@ struct Table {
   /// Where a row stood, for messages: "line 7", or "row 6" where it was no line.
   std::string place_of(std::size_t row) const;
   std::size_t n_rows() const;
-  bool has(std::string_view name) const;
+  /// nullptr where there is no such column.
+  const Column* find(std::string_view name) const;
+  bool has(std::string_view name) const { return find(name) != nullptr; }
   /// nullptr where there is no such column or it is of another type.
   const std::vector<double>* reals(std::string_view name) const;
   const std::vector<std::int64_t>* integers(std::string_view name) const;
@@ -228,9 +229,9 @@ RowColumn<S> column(std::string name, Where where, std::string text, Range range
     return Column{name, std::move(cells)};
   };
   made.read = [name, where](const Table& table, std::span<S> rows) {
-    for (const Column& found : table.columns)
-      if (const auto* cells = found.name == name ? std::get_if<std::vector<Cell>>(&found.values) : nullptr)
-        for (std::size_t k = 0; k < rows.size(); ++k) set_cell(std::invoke(where, rows[k]), (*cells)[k]);
+    const Column* found = table.find(name);
+    if (const auto* cells = found ? std::get_if<std::vector<Cell>>(&found->values) : nullptr)
+      for (std::size_t k = 0; k < rows.size(); ++k) set_cell(std::invoke(where, rows[k]), (*cells)[k]);
   };
   return made;
 }
@@ -246,9 +247,6 @@ Table table_of(const RowColumns<S>& columns, std::span<const S> rows) {
     if (c.write) table.columns.push_back(c.write(rows));
   return table;
 }
-
-/// Column::rounding of the column of this name, if there is one.
-std::optional<double> rounding_of(const Table& table, const std::string& name);
 
 /// What a reader wants.
 template <class S>

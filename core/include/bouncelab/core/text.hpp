@@ -77,8 +77,6 @@ std::string lower_case(std::string text);
 
 /// The shortest text that is read as the same number.
 std::string number_text(double value);
-std::string number_text(float value);
-
 /// The name that was probably meant: the one reached by the fewest insertions, deletions, replacements and swaps of
 /// neighbours, the first of several.
 /// @return empty where more than a third of the longer word would have to change
@@ -92,14 +90,10 @@ using std::to_chars;
 #ifndef __cpp_lib_to_chars
 /// @note a number beyond the range of double leaves `value` as it was
 std::from_chars_result from_chars(const char* first, const char* last, double& value);
-std::from_chars_result from_chars(const char* first, const char* last, float& value);
 /// The shortest text that is read as the same number, of fixed and scientific notation the shorter.
 std::to_chars_result to_chars(char* first, char* last, double value);
-std::to_chars_result to_chars(char* first, char* last, float value);
 /// The shortest text in a notation; only `fixed` is offered.
 std::to_chars_result to_chars(char* first, char* last, double value, std::chars_format format);
-/// As printf writes it; only `general` is offered.
-std::to_chars_result to_chars(char* first, char* last, double value, std::chars_format format, int precision);
 #endif
 
 /// All of a text as a number, "+1" too; else what is wrong with it, and the number stays as it is.
