@@ -26,15 +26,10 @@ TEST(ContactOffset, OfTheLawsHasItsClosedForms) {
     EXPECT_NEAR(constant.smooth_share, std::exp(-cover), 1e-15);
     const ContactOffset exponential = contact_offset(ExponentialRadii{1e-3}, n);
     EXPECT_NEAR(exponential.variance / 1e-3, 1.0 - std::exp(-cover), 1e-9);
-    if (n > 1e5) {
-      EXPECT_NEAR(constant.fourth_moment_ratio, 2.0, 1e-9);
-      EXPECT_NEAR(exponential.fourth_moment_ratio, 2.0, 1e-9);
-    }
   }
   for (const UniformRadii& law : {UniformRadii{0.5e-3, 1.5e-3}, UniformRadii{1.5e-3, 2.5e-3}}) {
     const ContactOffset offset = contact_offset(law, 1e6);  // the mean radius has no influence
     EXPECT_NEAR(offset.variance / (0.5 * std::sqrt(std::numbers::pi * 1e-3 / 1e6)), 1.0, 1e-9);
-    EXPECT_NEAR(offset.fourth_moment_ratio, 16.0 / (3.0 * std::numbers::pi), 1e-9);
   }
 }
 
@@ -51,18 +46,15 @@ TEST(ContactOffset, OfDrawnSurfacesIsThatOfTheirLaw) {
   for (const char* text :
        {"constant:1e-3", "uniform:0.5e-3,1.5e-3", "normal:1e-3,1e-4", "lognormal:1e-3,0.1", "exponential:1e-3"}) {
     const RadiusLaw law = radius_law_from_text(text);
-    std::vector<double> variance, ratio;
+    std::vector<double> variance;
     for (std::uint64_t seed = 1; seed <= 8; ++seed) {
       const Surface surface = make_surface(ball, 10'000, law, seed);
-      const ContactOffset offset = contact_offset(surface, Envelope(ball, surface), 20'000);
-      variance.push_back(offset.variance);
-      ratio.push_back(offset.fourth_moment_ratio);
+      variance.push_back(contact_offset(surface, Envelope(ball, surface), 20'000).variance);
     }
     const ContactOffset expected = contact_offset(law, 10'000);
-    // four and a half standard errors: p = .003 of Student's t with 7 degrees of freedom, of 10 comparisons
+    // four and a half standard errors: p = .003 of Student's t with 7 degrees of freedom, of 5 comparisons
     const double se = 4.5 / std::sqrt(7.0);
     EXPECT_NEAR(testing::mean(variance), expected.variance, se * testing::sd(variance)) << text;
-    EXPECT_NEAR(testing::mean(ratio), expected.fourth_moment_ratio, se * testing::sd(ratio)) << text;
     EXPECT_LT(testing::sd(variance), 0.1 * expected.variance) << text;
   }
 }
@@ -113,36 +105,6 @@ Experiment experiment(const RadiusLaw& law, std::int64_t n_asperities, std::int6
   return e;
 }
 
-/// Mean distance on one side of the peak of impacts near speed v.
-testing::Estimate measured(const Experiment& e, double v_mps, double testing::Laplace::*side) {
-  return testing::by_drop(20, [&](const std::function<bool(std::int64_t)>& counts) {
-    std::vector<double> x;
-    for (const Impact& i : e.impacts.rows)
-      if (std::abs(i.v_mps - v_mps) < 0.03 && counts(i.drop))
-        x.push_back(i.eps_macro - restitution(e.config.law, i.v_mps));
-    std::sort(x.begin(), x.end());
-    return testing::laplace(x).*side;
-  });
-}
-
-void expect_slopes(const Experiment& e) {
-  for (const double v : {0.3, 0.6, 1.0}) {
-    const FluctuationSides expected = expected_sides(e.config, e.q, v);
-    const testing::Estimate below = measured(e, v, &testing::Laplace::below);
-    const testing::Estimate above = measured(e, v, &testing::Laplace::above);
-    // three and a half standard errors of 2 to 4 %, and 2 %: the window is not a point, s2 is that of one surface
-    EXPECT_NEAR(below.value, expected.below, 3.5 * below.se + 0.02 * expected.below) << v;
-    EXPECT_NEAR(above.value, expected.above, 3.5 * above.se + 0.02 * expected.above) << v;
-    EXPECT_LT(below.se, 0.08 * below.value);
-  }
-}
-
-TEST(Theory, SlopesAreThoseOfSimulatedDrops) {
-  if (test::kSanitizer != nullptr) GTEST_SKIP() << test::kRepetitions;
-  expect_slopes(experiment(ConstantRadii{}, 71'378, test::repetitions(400, 1200)));
-  expect_slopes(experiment(ConstantRadii{}, 71'378, test::repetitions(400, 1200), FrictionlessContact{}));
-}
-
 TEST(Theory, TransformsOfSimulatedImpactsAreUniformWhateverTheRuleOfContact) {
   if (test::kSanitizer != nullptr) GTEST_SKIP() << test::kRepetitions;
   for (const ContactModel& contact : {ContactModel{PaperContact{}}, ContactModel{FrictionlessContact{}},
@@ -157,9 +119,8 @@ TEST(Theory, TransformsOfSimulatedImpactsAreUniformWhateverTheRuleOfContact) {
 
 TEST(Theory, HoldsForExponentialRadiiToo) {
   if (test::kSanitizer != nullptr) GTEST_SKIP() << test::kRepetitions;
-  Experiment e = experiment(ExponentialRadii{2e-5}, 1'000'000, test::repetitions(400, 1000));
-  expect_slopes(e);  // of the order of 2e-5 R: asperities cover the sphere ten times over
-  e.impacts.rows.resize(300 * 95);
+  // of the order of 2e-5 R: asperities cover the sphere ten times over
+  const Experiment e = experiment(ExponentialRadii{2e-5}, 1'000'000, 300);
   EXPECT_GT(testing::kolmogorov_p(probability_transforms(e.impacts, e.config.law, e.q)), 1e-3);
 }
 
@@ -170,18 +131,8 @@ TEST(Theory, OfAReleaseWithSpinNeedsItsReservoir) {
   const double w = u * u / contact_factor(e.config.ball, e.config.contact);
   EXPECT_LT(testing::kolmogorov_p(probability_transforms(e.impacts, e.config.law, e.q)), 1e-6);
   EXPECT_GT(testing::kolmogorov_p(probability_transforms(e.impacts, e.config.law, e.q, w)), 1e-3);
-  EXPECT_THROW(expected_sides(e.config, e.q, 0.5), InvalidArgument);
 }
-
-TEST(Theory, RefusesWhatNoDropFromRestDoes) {
-  EXPECT_THROW(expected_sides({}, 1e-5, 1.4), InvalidArgument);
-  EXPECT_THROW(expected_sides({}, 1e-5, 0.0), InvalidArgument);
-  SimulationConfig tilted;
-  tilted.tilt_rad = 0.01;
-  EXPECT_THROW(expected_sides(tilted, 1e-5, 0.5), InvalidArgument);
-  SimulationConfig elastic;
-  elastic.law = ConstantLaw{1.0};
-  EXPECT_THROW(expected_sides(elastic, 1e-5, 0.5), InvalidArgument);
+TEST(Theory, RefusesAnImpactOnTheWayUp) {
   Experiment on_its_way_up = experiment(ConstantRadii{}, 1000, 1);
   on_its_way_up.impacts.rows[5].v_mps *= -1.0;
   EXPECT_THROW(probability_transforms(on_its_way_up.impacts, SeriesLaw{}, 1e-5), InvalidArgument);

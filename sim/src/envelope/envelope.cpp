@@ -97,14 +97,6 @@ Envelope::Support Envelope::support(Vector3 n) const {
   return support;
 }
 
-std::int64_t Envelope::n_bytes() const {
-  const auto bytes = [](const auto& column) { return column.size() * sizeof(*column.data()); };
-  std::size_t n = bytes(patches_) + bytes(starts_);
-  for (const Patch& patch : patches_)
-    n += bytes(patch.nodes) + bytes(patch.lists) + bytes(patch.sites) + bytes(patch.asperities);
-  return static_cast<std::int64_t>(n);
-}
-
 namespace {
 
 /// Asks the processor to load early what lies anywhere in memory.

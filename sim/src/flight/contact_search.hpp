@@ -195,15 +195,6 @@ class ContactSearch {
   }
 
  private:
-  /// The sites of a leaf that are examined: all of its list, until most of it is ruled out. Longer lists than fit are
-  /// not narrowed; leaves hold so many only where as many asperities meet in a point.
-  struct LeafSites {
-    static constexpr std::size_t kMostNarrowed = 32;
-    std::span<const std::uint16_t> list;
-    bool is_narrow = false;
-    std::array<std::uint16_t, kMostNarrowed> few;
-    std::array<double, kMostNarrowed> gap_m, slope_mps;
-  };
   struct Candidate {
     double step_s, gap_m, slope_mps;
     const Envelope::Site* site;  ///< nullptr: the smooth sphere
@@ -255,16 +246,13 @@ class ContactSearch {
 
   /// Advances from t_ to t_exit through the leaf; what is hit, if anything.
   std::optional<Found> find_in_leaf(double t_exit) const {
-    LeafSites listed;
-    listed.list = leaf_.list;
     double t = skip_above(leaf_.max_elevation, t_);
     while (t < t_exit) {
-      const Candidate first = nearest(listed, t, here_.at(t - t_));
+      const Candidate first = nearest(t, here_.at(t - t_));
       const double resolution_s = 1e-15 + 4.0 * std::numeric_limits<double>::epsilon() * t;
       // after a safe step the gap is at most bend step^2: what is left is that over the closing speed
       const double left_s = bend_mps2_ * first.step_s * first.step_s / -first.slope_mps;
       if (first.slope_mps < 0.0 && left_s <= resolution_s) return Found{t + first.step_s, first.site};
-      if (!listed.is_narrow) narrow(listed, first, t_exit - t);
       t += std::max(first.step_s, resolution_s);
       if (path_.height_m(t) > radius_m_ * leaf_.max_elevation + kClear_m)
         t = std::max(t, std::min(t_exit, skip_above(leaf_.max_elevation, t)));
@@ -273,37 +261,18 @@ class ContactSearch {
   }
 
   /// The smallest safe step of all that can touch.
-  Candidate nearest(LeafSites& listed, double t, const Pole::Instant& pole) const {
+  Candidate nearest(double t, const Pole::Instant& pole) const {
     const double y = path_.height_m(t), v = path_.velocity_mps(t);
     Candidate first = judge(nullptr, y, v, t);
-    for (std::size_t i = 0; i < listed.list.size(); ++i) {
-      const Envelope::Site& site = leaf_.sites[listed.list[i]];
+    for (const std::uint16_t k : leaf_.list) {
+      const Envelope::Site& site = leaf_.sites[k];
       const double gap = y - radius_m_ * (site.height - 0.5 * norm2(pole.direction - site.direction));
       const double slope = v - radius_m_ * dot(site.direction, pole.velocity);
-      if (i < LeafSites::kMostNarrowed) {
-        listed.gap_m[i] = gap;
-        listed.slope_mps[i] = slope;
-      }
       if (is_open_until(first.step_s, gap, slope)) continue;
       const Candidate candidate = judge(&site, gap, slope, t);
       if (candidate.step_s < first.step_s) first = candidate;
     }
     return first;
-  }
-
-  /// Rules out what is open for sure until `first` has closed for sure, where that is before the leaf is left.
-  void narrow(LeafSites& listed, const Candidate& first, double leaf_left_s) const {
-    const double left = first.slope_mps * first.slope_mps - 2.0 * bend_mps2_ * first.gap_m;
-    if (!(first.slope_mps < 0.0 && left > 0.0 && listed.list.size() <= LeafSites::kMostNarrowed)) return;
-    const double latest_s = 2.0 * first.gap_m / (std::sqrt(left) - first.slope_mps);
-    if (!(latest_s < leaf_left_s)) return;
-    std::size_t n = 0;
-    for (std::size_t i = 0; i < listed.list.size(); ++i) {
-      listed.few[n] = listed.list[i];
-      n += is_open_until(latest_s, listed.gap_m[i], listed.slope_mps[i]) ? 0 : 1;
-    }
-    listed.list = std::span(listed.few).first(n);
-    listed.is_narrow = true;
   }
 
   bool is_open_until(double step_s, double gap_m, double slope_mps) const {

@@ -63,11 +63,8 @@ std::vector<std::string_view> split(std::string_view text) {
 void read_parameters(const SurfaceText& law, std::string_view parameters, std::string_view text) {
   const auto parts = split(parameters);
   if (parts.size() != law.parameters.size()) refuse(text);
-  for (std::size_t k = 0; k < parts.size(); ++k) {
-    const char* end = parts[k].data() + parts[k].size();
-    const auto read = bouncelab::from_chars(parts[k].data(), end, *law.parameters[k]);
-    if (read.ec != std::errc{} || read.ptr != end) refuse(text);
-  }
+  for (std::size_t k = 0; k < parts.size(); ++k)
+    if (parse_number(parts[k], *law.parameters[k]) != std::errc{}) refuse(text);
 }
 
 }  // namespace

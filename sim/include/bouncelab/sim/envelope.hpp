@@ -68,9 +68,6 @@ class Envelope {
   /// The largest cell around n whose region lies below `elevation`; where there is none, the leaf.
   Cell cell_below(double elevation, Vector3 n) const;
 
-  /// Bytes held by the index.
-  std::int64_t n_bytes() const;
-
   struct Node {
     float max_elevation = 0.0F;
     std::uint32_t first = 0;   ///< first of four children, or first entry of the list

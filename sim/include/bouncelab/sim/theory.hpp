@@ -21,18 +21,14 @@ namespace bouncelab::sim {
 /// Where a ball touches the plate beside its lowest point, in units of its radius (theta, two components), for
 /// orientations at random.
 struct ContactOffset {
-  double variance = 0.0;  ///< s2 of each component, half the mean of theta^2
-  /// Mean of theta^4 over the square of the mean of theta^2: 2 if theta is normal, as for constant and exponential
-  /// radii; 16/(3 pi) = 1.70 for uniform ones. Fluctuation assumes 2. Not 2 where s2 = 0: then 0.
-  double fourth_moment_ratio = 0.0;
+  double variance = 0.0;      ///< s2 of each component, half the mean of theta^2
   double smooth_share = 0.0;  ///< of contacts of the smooth sphere between the asperities
 };
 
 /// Of the law's asperities at random. Their number higher than E above the sphere is a Poisson variable of mean
 /// Lambda(E) = N/2 int_E^inf (r - E) p(r) dr at any place, so
 ///
-///   s2 = int_0^inf Lambda exp(-Lambda) dE,   mean of theta^4 = 2 N int_0^inf int_E^inf (r - E)^2 p(r) dr exp(-Lambda)
-///   dE
+///   s2 = int_0^inf Lambda exp(-Lambda) dE
 ///
 /// r and E in units of the ball's radius; the smooth sphere touches with probability exp(-Lambda(0)). Closed forms
 /// where asperities cover the sphere: 2/N (constant), lambda (exponential of mean lambda), (1/2) sqrt(pi w/N) (uniform
@@ -50,14 +46,6 @@ ContactOffset contact_offset(const Surface& surface, const Envelope& envelope, s
 /// c: a contact at theta has the effective mass m/(1 + c theta^2). 1/(1 + J/(m R^2)) without slip, m R^2/J without
 /// friction. Coulomb friction counts as one of the two: contacts from rest stick where mu > c |theta|.
 double contact_factor(const Ball& ball, const ContactModel& model);
-
-/// Mean distances below and above eps(v) of impacts with speed v, over the experiment's heights of release: those of
-/// fluctuation_sides() at the S of drops without scatter.
-/// @param q      c s2, in (0, 0.1]
-/// @param v_mps  > 0 and below what the least height reaches
-/// @throws InvalidArgument where v is not, or the ball is released with spin or sideways motion, the plate is
-///         tilted, drag is on or the law does not slow the ball down
-FluctuationSides expected_sides(const SimulationConfig& config, double q, double v_mps);
 
 /// Probability transform of each impact given the drop's earlier ones: uniform and independent where the theory holds.
 /// @param impacts         whole drops, from the first impact on
