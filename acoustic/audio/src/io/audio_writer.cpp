@@ -67,12 +67,13 @@ int container(const std::filesystem::path& path, const AudioSpec& spec, std::int
 /// Of samples of full scale 1.
 double full_scale(SampleEncoding encoding) { return std::ldexp(1.0, 8 * bytes_per_sample(encoding) - 1); }
 
-template <class T>
-T steps(T x, T full_scale) {
-  const T rounded = std::nearbyint(x * full_scale);
-  const T at_least = rounded < -full_scale ? -full_scale : rounded;
+double steps(double x, double full_scale) {
+  const double rounded = std::nearbyint(x * full_scale);
+  const double at_least = rounded < -full_scale ? -full_scale : rounded;
   return at_least > full_scale - 1 ? full_scale - 1 : at_least;
 }
+
+float clipped_to_float(double x) { return static_cast<float>(std::clamp(x, -1.0, 1.0)); }
 
 /// Whole steps in the upper bits of 32.
 BOUNCELAB_VECTOR_CLONES void left_align(const double* x, std::size_t n, double full_scale, int* words) {
@@ -83,21 +84,6 @@ BOUNCELAB_VECTOR_CLONES void left_align(const double* x, std::size_t n, double f
 BOUNCELAB_VECTOR_CLONES void round_to_steps(const double* x, std::size_t n, double full_scale, float* samples) {
   const double step = 1.0 / full_scale;  // a power of two
   for (std::size_t k = 0; k < n; ++k) samples[k] = static_cast<float>(steps(x[k], full_scale) * step);
-}
-
-/// Of 32 bits the highest step is 1 as a float, and so is full_scale - 1 here.
-BOUNCELAB_VECTOR_CLONES void round_to_steps(const float* x, std::size_t n, double full_scale, float* samples) {
-  const auto scale = static_cast<float>(full_scale), step = 1.0F / scale;
-  for (std::size_t k = 0; k < n; ++k) samples[k] = steps(x[k], scale) * step;
-}
-
-template <class T>
-void read_back(std::span<const T> samples, SampleEncoding encoding, float* out) {
-  if (encoding == SampleEncoding::float32)
-    std::transform(samples.begin(), samples.end(), out,
-                   [](T x) { return static_cast<float>(std::clamp(x, T{-1}, T{1})); });
-  else
-    round_to_steps(samples.data(), samples.size(), full_scale(encoding), out);
 }
 
 SF_INFO checked_info(const std::filesystem::path& path, const AudioSpec& spec, std::int64_t n_frames) {
@@ -204,8 +190,7 @@ void AudioWriter::write(std::span<const double> interleaved) {
   if (state_->encoding == SampleEncoding::float32) {
     std::vector<float>& floats = state_->floats;
     floats.resize(interleaved.size());
-    std::transform(interleaved.begin(), interleaved.end(), floats.begin(),
-                   [](double x) { return static_cast<float>(std::clamp(x, -1.0, 1.0)); });
+    std::transform(interleaved.begin(), interleaved.end(), floats.begin(), clipped_to_float);
     return write_floats(floats);
   }
   // rounded here: libsndfile cuts off the lower bits, half a step of offset
@@ -233,18 +218,11 @@ void AudioWriter::commit() {
 
 std::vector<float> as_read_back(std::span<const double> samples, SampleEncoding encoding) {
   std::vector<float> floats(samples.size());
-  read_back(samples, encoding, floats.data());
+  if (encoding == SampleEncoding::float32)
+    std::transform(samples.begin(), samples.end(), floats.begin(), clipped_to_float);
+  else
+    round_to_steps(samples.data(), samples.size(), full_scale(encoding), floats.data());
   return floats;
-}
-
-void as_read_back(std::span<const double> samples, SampleEncoding encoding, std::span<float> out) {
-  assert(out.size() >= samples.size());
-  read_back(samples, encoding, out.data());
-}
-
-void as_read_back(std::span<const float> samples, SampleEncoding encoding, std::span<float> out) {
-  assert(out.size() >= samples.size());
-  read_back(samples, encoding, out.data());
 }
 
 void validate(const std::filesystem::path& path, const AudioSpec& spec) { checked_info(path, spec, 0); }

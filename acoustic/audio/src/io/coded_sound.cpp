@@ -2,8 +2,9 @@
 #include "io/coded_sound.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cstring>
-#include <sstream>
+#include <string_view>
 #include <system_error>
 
 #include "bouncelab/core/error.hpp"
@@ -81,36 +82,34 @@ constexpr std::size_t kSamplesAtOnce = 1 << 14;  // the 64 kB that a pipe holds
 
 const char* const kRemedy = "repair or convert it: ffmpeg -i IN OUT.wav";
 
-// What the child writes: the length of a head, the head, samples. The head is lines: "sound" and the members of a
-// SoundInfo, or "other" and why libsndfile does not read the file.
-constexpr const char* kSound = "sound";
-constexpr const char* kOther = "other";
+/// What the child writes before the samples.
+struct Head {
+  using Text = std::array<char, 256>;
 
-std::string head_of(const SoundDecoder& decoder) {
-  const SoundInfo& info = decoder.info();
-  std::ostringstream head;
-  head << kSound << '\n'
-       << static_cast<std::int64_t>(info.rate_hz) << ' ' << info.n_channels << ' ' << info.n_frames << ' '
-       << decoder.has_length() << ' ' << info.may_be_infinite << '\n'
-       << info.description << '\n'
-       << info.lossy_coding << '\n';
-  return head.str();
-}
+  double rate_hz = 0.0;
+  std::int64_t n_frames = 0;
+  int n_channels = 0;
+  bool has_length = false, may_be_infinite = false;
+  Text description{}, lossy_coding{};
+  Text refusal{};  // why libsndfile does not read the file; empty: it does
+};
 
-void write_head(const std::string& head, const ChildProcess::Output& write) {
-  const auto n = static_cast<std::uint32_t>(head.size());
-  write(std::as_bytes(std::span(&n, 1)));
-  write(std::as_bytes(std::span(head)));
-}
+void put(std::string_view from, Head::Text& to) { from.copy(to.data(), to.size() - 1); }
 
 void decode_in_child(const std::string& name, const ChildProcess::Output& write) {
+  Head head;
   std::optional<SoundDecoder> decoder;
   try {
     decoder.emplace(FileBytes(ChildProcess::kHandedOver, name));
+    const SoundInfo& info = decoder->info();
+    head = {info.rate_hz, info.n_frames, info.n_channels, decoder->has_length(), info.may_be_infinite, {}, {}, {}};
+    put(info.description, head.description);
+    put(info.lossy_coding, head.lossy_coding);
   } catch (const NotForLibsndfile& error) {
-    return write_head(std::string(kOther) + "\n" + error.reason, write);
+    put(error.reason, head.refusal);
   }
-  write_head(head_of(*decoder), write);
+  write(std::as_bytes(std::span(&head, 1)));
+  if (!decoder) return;
   for (auto piece = decoder->next(); !piece.empty(); piece = decoder->next()) write(std::as_bytes(piece));
 }
 
@@ -121,30 +120,23 @@ SoundInfo decode_by_libsndfile(const FileBytes& file, DecodedSamples& samples) {
                            kLeast_memory_bytes + kMemoryPerFileByte * n_bytes};
   ChildProcess child([&](const ChildProcess::Output& write) { decode_in_child(file.name(), write); }, file.name(),
                      file.descriptor(), limits);
-  std::uint32_t n_head = 0;
-  child.read(std::as_writable_bytes(std::span(&n_head, 1)));
-  std::string head(n_head, '\0');
-  child.read(std::as_writable_bytes(std::span(head)));
-  std::istringstream lines(head);
-  std::string kind, rest;
-  std::getline(lines, kind);
-  if (kind == kOther) {
-    std::getline(lines, rest);
-    throw NotForLibsndfile(file.name(), rest);
-  }
+  Head head;
+  child.read(std::as_writable_bytes(std::span(&head, 1)));
+  if (head.refusal.front() != '\0') throw NotForLibsndfile(file.name(), head.refusal.data());
   SoundInfo info;
-  bool has_length = false;
-  lines >> info.rate_hz >> info.n_channels >> info.n_frames >> has_length >> info.may_be_infinite;
-  std::getline(lines, rest);
-  std::getline(lines, info.description);
-  std::getline(lines, info.lossy_coding);
+  info.rate_hz = head.rate_hz;
+  info.n_channels = head.n_channels;
+  info.n_frames = head.n_frames;
+  info.may_be_infinite = head.may_be_infinite;
+  info.description = head.description.data();
+  info.lossy_coding = head.lossy_coding.data();
   // not more than the file may hold, whatever its header says
-  if (has_length) samples.reserve(std::min(info.n_frames, n_bytes) * info.n_channels);
+  if (head.has_length) samples.reserve(std::min(info.n_frames, n_bytes) * info.n_channels);
   std::vector<float> piece(kSamplesAtOnce);
   while (const std::size_t n = child.read(std::as_writable_bytes(std::span(piece))) / sizeof(float))
     samples.append(std::span(piece).first(n));
   child.finish(kRemedy);
-  conclude(info, has_length, samples.size() / info.n_channels, file.name());
+  conclude(info, head.has_length, samples.size() / info.n_channels, file.name());
   return info;
 }
 

@@ -146,10 +146,6 @@ class AudioWriter {
 
 /// The samples as they would be read back from a file of this encoding: rounded and clipped like AudioWriter does.
 std::vector<float> as_read_back(std::span<const double> samples, SampleEncoding encoding);
-/// The same into memory of at least as many floats; of samples that are floats, the same bits as of those in doubles.
-void as_read_back(std::span<const double> samples, SampleEncoding encoding, std::span<float> out);
-void as_read_back(std::span<const float> samples, SampleEncoding encoding, std::span<float> out);
-
 /// Throws InvalidArgument where no AudioWriter could write this: a long synthesis should not find out at its end.
 void validate(const std::filesystem::path& path, const AudioSpec& spec);
 
