@@ -39,7 +39,6 @@ const std::vector<Stage> kStages{
     {"", "truth.csv", {{"t_s", 80, 677.6191616191272}, {"sigma_t_s", 80, 6.3460035458311176e-06}}},
     {"synthesize other.csv --rate 24000 --hard rough --out hard.wav", "hard.wav", {}},
     {"synthesize other.csv --rate 24000 --each-drop --out each.flac", "each.0001.flac", {}},
-    // as many modes as ring by a transform
     {"synthesize other.csv --rate 96000 --out fine.wav", "fine.wav", {}},
     {"detect sound.wav --out onsets.csv", "onsets.csv", {{"t_s", 80, 677.61535461800088}}},
     {"restitution onsets.csv --ball steel:6mm --plate glass --out samples.csv",

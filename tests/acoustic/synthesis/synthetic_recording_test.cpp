@@ -137,28 +137,6 @@ TEST(Synthesis, TheMomentumIsHeard) {
               2.0, 1e-12);
 }
 
-TEST(Synthesis, SamplesAreReadBackInOnePassageAsInTwo) {
-  std::vector<double> times_s;
-  for (int k = 0; k < 30; ++k) times_s.push_back(0.05 + 0.11 * k);
-  for (const double snr_db : {30.0, 200.0})  // single and double precision
-    for (const bool is_plain : {true, false})
-      for (const audio::SampleEncoding encoding : {audio::SampleEncoding::pcm16, audio::SampleEncoding::pcm24,
-                                                   audio::SampleEncoding::pcm32, audio::SampleEncoding::float32}) {
-        SynthesisConfig config = quiet();
-        config.snr_db = snr_db;
-        config.encoding = encoding;
-        config.peak = 1.5;  // clipped
-        if (!is_plain) {
-          config.noise_corner_hz = 300.0;
-          config.channels = {Channel{}, Channel{-0.1, 0.05, 0.0, 0.7}};
-        }
-        const SyntheticRecording recording(impacts(times_s), config);
-        ASSERT_EQ(recording.n_segments(), 2);
-        ASSERT_EQ(recording.samples_as_read_back(), audio::as_read_back(recording.samples(), encoding))
-            << snr_db << " dB, encoding " << static_cast<int>(encoding) << (is_plain ? ", plain" : "");
-      }
-}
-
 TEST(Synthesis, WhatSinglePrecisionRoundsOffIsFarBelowTheNoise) {
   SynthesisConfig config = quiet();
   config.levels = Levels{3e-4, 1e-5, 1.0};  // the faintest noise with which floats do

@@ -16,130 +16,6 @@ namespace {
 
 using Complex = std::complex<double>;
 
-constexpr std::size_t kRungFrames = 512;          // the frames that one transform gives
-constexpr std::size_t kLength = 2 * kRungFrames;  // M
-constexpr std::size_t kBins = kLength / 2;
-constexpr int kWidth = 12;  // w
-constexpr int kHalfWidth = kWidth / 2;
-constexpr double kBeta = 0.75 * std::numbers::pi * kWidth;
-constexpr double kMiddle = 0.5 * kRungFrames;
-/// Within M / 2 frames, as exponent.
-constexpr double kLargestDecay = 4.0;
-
-/// I_0(sqrt x) by its power series, to rounding for the |x| <= (2 kBeta)^2 that occur.
-Complex bessel_i0_of_root(const Complex& x) {
-  Complex sum = 0.0, term = 1.0;
-  for (int m = 1; m < 120; ++m) {
-    sum += term;
-    term *= 0.25 / (static_cast<double>(m) * m) * x;
-  }
-  return sum;
-}
-
-/// psi(n): w sinh(u) / u, u^2 = beta^2 - (pi w n / M)^2, which is positive where |n| <= M / 4.
-double psi(double n) {
-  const double x = std::numbers::pi * kWidth * n / kLength;
-  const double u = std::sqrt(kBeta * kBeta - x * x);
-  return kWidth * (exp(u) - exp(-u)) / (2.0 * u);
-}
-
-/// Numbers far from one another in turn.
-std::vector<std::size_t> interleaved(const std::vector<std::size_t>& numbers) {
-  constexpr std::size_t kApart = 8;
-  std::vector<std::size_t> result;
-  for (std::size_t first = 0; first < kApart; ++first)
-    for (std::size_t k = first; k < numbers.size(); k += kApart) result.push_back(numbers[k]);
-  return result;
-}
-
-constexpr std::size_t kTaps = 16;  // a whole register; the last four are 0
-
-/// Adds z phi of each row to the bins that it reaches.
-void add_rows(std::span<const std::size_t> poles, const std::size_t* first_bins, const float* phi_re,
-              const float* phi_im, const float* z_re, const float* z_im, float* __restrict bins_re,
-              float* __restrict bins_im) {
-  for (std::size_t r = 0; r < poles.size(); ++r, phi_re += kTaps, phi_im += kTaps) {
-    const float of_re = z_re[poles[r]], of_im = z_im[poles[r]];
-    if (of_re == 0.0F && of_im == 0.0F) continue;
-    float *re = bins_re + first_bins[r], *im = bins_im + first_bins[r];
-    for (std::size_t k = 0; k < kTaps; ++k) {
-      re[k] += of_re * phi_re[k] - of_im * phi_im[k];
-      im[k] += of_re * phi_im[k] + of_im * phi_re[k];
-    }
-  }
-}
-
-void add_product(const float* a, const float* b, std::size_t n, float* __restrict out) {
-  for (std::size_t k = 0; k < n; ++k) out[k] += a[k] * b[k];
-}
-
-}  // namespace
-
-/// Free ringing of many resonators by one inverse Fourier transform, a non-uniform one of the first type:
-///
-///   Re sum_p z_p exp(s_p n) = 1 / psi(n) Re sum_k exp(2 pi i k n / M) sum_p z_p phi(k - nu_p),   nu_p = s_p M / (2 pi
-///   i) phi(x) = I_0(beta sqrt(1 - (2 x / w)^2)),   psi its transform
-///
-/// for |n| <= M / 4, with w = 12 bins and beta = 3/4 pi w: within 3e-8 of |z_p|, where s_p decays by at most exp(-4) in
-/// M / 2 frames; single precision adds 2e-7. Sources: Dutt & Rokhlin, SIAM J. Sci. Comput. 14, 1368 (1993),
-/// doi:10.1137/0914081; Fessler & Sutton, IEEE Trans. Signal Process. 51, 560 (2003), doi:10.1109/TSP.2002.807005.
-class RingingTransform {
- public:
-  /// @param poles  s_p per frame
-  explicit RingingTransform(const std::vector<Complex>& poles) : fft_(kLength), holds_(poles.size(), false) {
-    for (std::size_t p = 0; p < poles.size(); ++p) {
-      const double bin = poles[p].imag() * kLength / (2.0 * std::numbers::pi);
-      const double first = std::floor(bin) - kHalfWidth + 1;
-      // the transform has no bins 0 and M / 2
-      holds_[p] = -poles[p].real() * kLength / 2.0 <= kLargestDecay && first >= 1.0 && first + kWidth <= kBins;
-      if (!holds_[p]) continue;
-      poles_.push_back(p);
-      first_bins_.push_back(static_cast<std::size_t>(first));
-    }
-    poles_ = interleaved(poles_);
-    first_bins_ = interleaved(first_bins_);
-    re_.assign(poles_.size() * kTaps, 0.0F);
-    im_ = re_;
-    for (std::size_t r = 0; r < poles_.size(); ++r) {
-      const Complex s = poles[poles_[r]], nu = Complex{0.0, -1.0} * s * (kLength / (2.0 * std::numbers::pi));
-      for (std::size_t k = 0; k < static_cast<std::size_t>(kWidth); ++k) {
-        const std::size_t bin = first_bins_[r] + k;
-        const Complex x = (static_cast<double>(bin) - nu) * (2.0 / kWidth);
-        const double sign = bin % 2 == 0 ? 1.0 : -1.0;  // n = 0 in the middle of the transform
-        const Complex phi = sign * exp(s * kMiddle) * bessel_i0_of_root(kBeta * kBeta * (1.0 - x * x));
-        re_[r * kTaps + k] = static_cast<float>(phi.real());
-        im_[r * kTaps + k] = static_cast<float>(phi.imag());
-      }
-    }
-    for (std::size_t j = 0; j < kRungFrames; ++j)  // the transform's own scale is sqrt(2 / M)
-      correction_.push_back(static_cast<float>(std::sqrt(0.5 * kLength) / psi(static_cast<double>(j) - kMiddle)));
-  }
-
-  /// Whether this pole is neither so strongly damped nor so close to 0 or half the rate that it has to be summed
-  /// otherwise.
-  bool holds(std::size_t pole) const { return holds_[pole]; }
-
-  /// Adds Re sum_p z_p exp(s_p j), j = 0 ... kRungFrames - 1, over the poles that it holds.
-  /// @param re, im  z_p by pole; 0 of those that are silent
-  void add(const float* re, const float* im, std::span<float> out) const {
-    std::array<float, kBins + kTaps> bins_re{}, bins_im{};
-    add_rows(poles_, first_bins_.data(), re_.data(), im_.data(), re, im, bins_re.data(), bins_im.data());
-    const std::span<const float> ringing =
-        fft_.inverse(std::span(bins_re).first(kBins), std::span(bins_im).first(kBins));
-    add_product(ringing.data() + kRungFrames / 2, correction_.data(), kRungFrames, out.data());
-  }
-
- private:
-  audio::RealFft fft_;
-  std::vector<bool> holds_;
-  // of each row, such that neighbours do not share bins: each would wait for the one before
-  std::vector<std::size_t> poles_, first_bins_;
-  std::vector<float> re_, im_;     // 16 for each row: phi, moved from the middle to the first frame
-  std::vector<float> correction_;  // kRungFrames: 1 / psi
-};
-
-namespace {
-
 /// Re sum_p a_p z_p, in four partial sums: the compiler may not reorder a sum, we may.
 double real_part_of_product(const PoleValues& a, const PoleValues& z) {
   double sums[4] = {0.0, 0.0, 0.0, 0.0};
@@ -240,11 +116,6 @@ double smallest_decay_per_s(const std::vector<Complex>& poles) {
   return smallest;
 }
 
-std::vector<Complex> in_samples(std::vector<Complex> poles_per_s, double rate_hz) {
-  for (Complex& pole : poles_per_s) pole /= rate_hz;
-  return poles_per_s;
-}
-
 }  // namespace
 
 ResonatorBank::ResonatorBank(std::vector<Complex> poles, double rate_hz)
@@ -257,24 +128,17 @@ ResonatorBank::ResonatorBank(std::vector<Complex> poles, double rate_hz)
       block_step_(rounded_up(size())),
       kick_(interval_.nodes.size(), PoleValues(size())),
       waves_(rounded_up(size()) * static_cast<std::size_t>(kBlock)),
-      single_waves_(waves_.re.size()),
-      transform_(std::make_shared<const RingingTransform>(in_samples(poles_, rate_hz))),
-      transform_holds_(rounded_up(size()) / kTogether, 1),
-      transform_step_(size()) {
+      single_waves_(waves_.re.size()) {
   for (std::size_t p = 0; p < size(); ++p) {
     const Complex s = poles_[p] / rate_hz;
     pole_steps_.set(p, s);
     step_.set(p, exp(s));
     block_step_.set(p, exp(s * static_cast<double>(kBlock)));
-    if (!transform_->holds(p)) transform_holds_[p / kTogether] = 0;
     for (std::size_t i = 0; i < kick_.size(); ++i)
       kick_[i].set(p, interval_.weights[i] * exp(s * (1.0 - interval_.nodes[i])));
     for (std::int64_t j = 0; j < kBlock; ++j)
       waves_.set(p * static_cast<std::size_t>(kBlock) + static_cast<std::size_t>(j), exp(s * static_cast<double>(j)));
   }
-  for (std::size_t p = 0; p < size(); ++p)  // those that ring by themselves have advanced already
-    transform_step_.set(p, transform_holds_[p / kTogether] ? exp(poles_[p] / rate_hz * static_cast<double>(kRungFrames))
-                                                           : Complex{1.0});
   const auto in_single = [](double x) { return static_cast<float>(x); };
   std::transform(waves_.re.begin(), waves_.re.end(), single_waves_.re.begin(), in_single);
   std::transform(waves_.im.begin(), waves_.im.end(), single_waves_.im.begin(), in_single);
@@ -320,76 +184,27 @@ ContactWave ResonatorBank::wave(const Contact& contact, const PoleValues& amplit
 }
 
 template <class T>
-void ResonatorBank::ring_four(PoleValues& state, std::size_t p, double silence, const PoleValuesOf<T>& waves,
-                              std::span<T> out) const {
-  const std::size_t at = p * static_cast<std::size_t>(kBlock), n = std::min(kTogether, size() - p);
-  double re[kTogether]{}, im[kTogether]{};
-  std::copy_n(state.re.data() + p, n, re);
-  std::copy_n(state.im.data() + p, n, im);
-  add_ringing(out, waves.re.data() + at, waves.im.data() + at, block_step_.re.data() + p, block_step_.im.data() + p,
-              silence, re, im);
-  std::copy_n(re, n, state.re.data() + p);
-  std::copy_n(im, n, state.im.data() + p);
-}
-
-template <class T>
 void ResonatorBank::ring_together(PoleValues& state, double silence, const PoleValuesOf<T>& waves,
                                   std::span<T> out) const {
   constexpr std::size_t kRun = 16 * static_cast<std::size_t>(kBlock);  // they fit the first-level cache
   for (; !out.empty(); out = out.subspan(std::min(kRun, out.size())))
-    for (std::size_t p = 0; p < size(); p += kTogether)
-      ring_four(state, p, silence, waves, out.first(std::min(kRun, out.size())));
+    for (std::size_t p = 0; p < size(); p += kTogether) {
+      const std::size_t at = p * static_cast<std::size_t>(kBlock), n = std::min(kTogether, size() - p);
+      double re[kTogether]{}, im[kTogether]{};
+      std::copy_n(state.re.data() + p, n, re);
+      std::copy_n(state.im.data() + p, n, im);
+      add_ringing(out.first(std::min(kRun, out.size())), waves.re.data() + at, waves.im.data() + at,
+                  block_step_.re.data() + p, block_step_.im.data() + p, silence, re, im);
+      std::copy_n(re, n, state.re.data() + p);
+      std::copy_n(im, n, state.im.data() + p);
+    }
 }
 
 void ResonatorBank::ring(PoleValues& state, double silence, std::span<double> out) const {
   ring_together(state, silence, waves_, out);
 }
 void ResonatorBank::ring(PoleValues& state, double silence, std::span<float> out) const {
-  // as many resonators cost as much by themselves as a transform does for all
-  constexpr std::size_t kWorthATransform = 28;
-  if (std::getenv("NO_TRANSFORM")) return ring_together(state, silence, single_waves_, out);
-  const bool is_long = out.size() >= kRungFrames;
-  PoleValuesOf<float> held(is_long ? size() : 0);
-  std::vector<char> rings(is_long ? transform_holds_.size() : 0);
-  while (!out.empty()) {
-    std::size_t n = kRungFrames;
-    if (out.size() < n) {
-      n = out.size();
-      ring_together(state, silence, single_waves_, out);
-    } else if (take_ringing(state, silence, held, rings) >= kWorthATransform) {
-      transform_->add(held.re.data(), held.im.data(), out.first(n));
-      for (std::size_t p = 0; p < size(); p += kTogether)
-        if (!transform_holds_[p / kTogether]) ring_four(state, p, silence, single_waves_, out.first(n));
-      rotate(state, transform_step_);
-    } else {
-      for (std::size_t p = 0; p < size(); p += kTogether)
-        if (rings[p / kTogether]) ring_four(state, p, silence, single_waves_, out.first(n));
-    }
-    out = out.subspan(n);
-  }
-}
-
-/// Copies what the transform holds, in single precision; fours that are silent are set to zero.
-/// @param rings  by fours: 0 where they are silent
-/// @return how many resonators are copied and not silent
-std::size_t ResonatorBank::take_ringing(PoleValues& state, double silence, PoleValuesOf<float>& held,
-                                        std::vector<char>& rings) const {
-  std::size_t n_ringing = 0;
-  for (std::size_t four = 0; four < rings.size(); ++four) {
-    const std::size_t begin = four * kTogether, end = std::min(begin + kTogether, size());
-    double loudest = 0.0;
-    for (std::size_t p = begin; p < end; ++p)
-      loudest = std::max(loudest, std::abs(state.re[p]) + std::abs(state.im[p]));
-    const bool holds = transform_holds_[four] != 0, is_silent = holds && loudest < silence;
-    rings[four] = is_silent ? 0 : 1;
-    n_ringing += holds && !is_silent ? end - begin : 0;
-    for (std::size_t p = begin; p < end; ++p) {
-      if (is_silent) state.re[p] = state.im[p] = 0.0;
-      held.re[p] = holds ? static_cast<float>(state.re[p]) : 0.0F;
-      held.im[p] = holds ? static_cast<float>(state.im[p]) : 0.0F;
-    }
-  }
-  return n_ringing;
+  ring_together(state, silence, single_waves_, out);
 }
 
 void ResonatorBank::advance(PoleValues& state, std::int64_t n_frames) const {

@@ -14,8 +14,6 @@
 
 namespace bouncelab::synthesis {
 
-class RingingTransform;
-
 /// One complex value for each pole of a bank.
 template <class T>
 struct PoleValuesOf {
@@ -77,8 +75,7 @@ class ResonatorBank {
   /// Adds free ringing to `out` (a multiple of kBlock frames) and advances the state to its end. Four neighbours that
   /// are all below `silence` at a block's begin are set to zero.
   void ring(PoleValues& state, double silence, std::span<double> out) const;
-  /// The same; the sound, not the state, is in single precision: 3e-7 of each resonator's amplitude. Where many ring
-  /// for RingingTransform::kFrames, all at once by a transform.
+  /// The same; the sound, not the state, is in single precision: 3e-7 of each resonator's amplitude.
   void ring(PoleValues& state, double silence, std::span<float> out) const;
   /// State after n_frames of free ringing.
   void advance(PoleValues& state, std::int64_t n_frames) const;
@@ -86,11 +83,6 @@ class ResonatorBank {
   void advance_in_block(PoleValues& state, std::int64_t n_frames) const;
 
  private:
-  std::size_t take_ringing(PoleValues& state, double silence, PoleValuesOf<float>& held,
-                           std::vector<char>& rings) const;
-  template <class T>
-  void ring_four(PoleValues& state, std::size_t p, double silence, const PoleValuesOf<T>& waves,
-                 std::span<T> out) const;
   template <class T>
   void ring_together(PoleValues& state, double silence, const PoleValuesOf<T>& waves, std::span<T> out) const;
   /// g at frames first + fraction, first + fraction + 1 ...
@@ -106,9 +98,6 @@ class ResonatorBank {
   std::vector<PoleValues> kick_;  // by node: weight exp(s (1 - node) / rate)
   PoleValues waves_;              // kBlock values for each pole: exp(s j / rate); zeros make up whole fours
   PoleValuesOf<float> single_waves_;
-  std::shared_ptr<const RingingTransform> transform_;
-  std::vector<char> transform_holds_;  // by fours of neighbours: whether it holds all
-  PoleValues transform_step_;          // exp(s RingingTransform::kFrames / rate), 1 where it does not
 };
 
 }  // namespace bouncelab::synthesis

@@ -253,21 +253,20 @@ Renderer::Renderer(const SynthesisConfig& config, const StrikeSound& sound, cons
       reach_ahead_s_((ConverterFilter::kHalfWidth_samples + 4.0) / config.rate_hz),
       silence_(std::max(kSilence, kSilenceInNoise * levels.noise_rms)) {}
 
-/// Frames first ... first + n - 1 of one channel, part by part.
+/// Frames first ... first + n - 1 of one channel.
 class PartsOfChannel {
  public:
   PartsOfChannel(const Renderer& renderer, std::size_t channel, std::int64_t first, std::int64_t n)
       : r_(renderer), channel_(channel), first_(first), n_(n) {}
 
-  /// Calls use(at, part): frames first + at ..., of type float where that is enough.
-  template <class Use>
-  void for_each(const Use& use) const {
+  /// Clipped to full scale, every `step`-th number of out.
+  void write(double* out, std::size_t step) const {
     // the noise, of which silence_ is 80 dB below, is 40 dB above what single precision rounds off amplitudes of 1
     constexpr double kSingleFrom = 1e-9;
     if (r_.silence_ >= kSingleFrom)
-      parts_of<float>(use);
+      write_by<float>(out, step);
     else
-      parts_of<double>(use);
+      write_by<double>(out, step);
   }
 
  private:
@@ -319,8 +318,8 @@ class PartsOfChannel {
     return {sound.begin() + run_in, sound.begin() + run_in + n_};
   }
 
-  template <class T, class Use>
-  void parts_of(const Use& use) const {
+  template <class T>
+  void write_by(double* out, std::size_t step) const {
     const Background& background = r_.background_;
     const auto n = static_cast<std::size_t>(n_);
     const bool is_dead = r_.config_.channels[channel_].gain == 0.0;
@@ -345,7 +344,10 @@ class PartsOfChannel {
           for (std::size_t k = 0; k < part.size(); ++k) part[k] += static_cast<T>(whole[at + begin + k]);
         if (background.is_white()) background.add_white(channel_, frame, part);
         if (!r_.schedule_.pushes.empty()) apply_gain(r_.schedule_.pushes, frame, r_.config_.rate_hz, part);
-        use(at + begin, part);
+        if (step == 1)
+          clip<T>(part, 1, out + at + begin);
+        else
+          clip<T>(part, step, out + (at + begin) * step);
       }
     }
   }
@@ -359,25 +361,8 @@ std::vector<double> Renderer::frames(std::int64_t first, std::int64_t n) const {
   const std::size_t n_channels = config_.channels.size();
   std::vector<double> interleaved(static_cast<std::size_t>(n) * n_channels);
   for (std::size_t c = 0; c < n_channels; ++c)
-    PartsOfChannel(*this, c, first, n).for_each([&]<class T>(std::size_t at, std::span<T> part) {
-      double* const out = interleaved.data() + at * n_channels + c;
-      if (n_channels == 1)
-        clip<T>(part, 1, out);
-      else
-        clip<T>(part, n_channels, out);
-    });
+    PartsOfChannel(*this, c, first, n).write(interleaved.data() + c, n_channels);
   return interleaved;
-}
-
-void Renderer::append_read_back(std::int64_t first, std::int64_t n, std::vector<float>& out) const {
-  const std::size_t n_channels = config_.channels.size(), begin = out.size();
-  out.resize(begin + static_cast<std::size_t>(n) * n_channels);
-  std::array<float, kPart> rounded;
-  for (std::size_t c = 0; c < n_channels; ++c)
-    PartsOfChannel(*this, c, first, n).for_each([&](std::size_t at, auto part) {
-      audio::as_read_back(part, config_.encoding, rounded);
-      for (std::size_t k = 0; k < part.size(); ++k) out[begin + (at + k) * n_channels + c] = rounded[k];
-    });
 }
 
 namespace {

@@ -92,8 +92,6 @@ class Renderer {
   /// Frames first ... first + n - 1, interleaved by channel, clipped to full scale. @param first  a multiple of
   /// segment_frames(), n at most so many
   std::vector<double> frames(std::int64_t first, std::int64_t n) const;
-  /// Appends the same frames as they would be read back from a file of the configuration's encoding.
-  void append_read_back(std::int64_t first, std::int64_t n, std::vector<float>& out) const;
 
  private:
   friend class PartsOfChannel;

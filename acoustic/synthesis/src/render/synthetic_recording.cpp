@@ -110,8 +110,10 @@ std::vector<double> SyntheticRecording::samples() const {
 std::vector<float> SyntheticRecording::samples_as_read_back() const {
   std::vector<float> all;
   all.reserve(static_cast<std::size_t>(n_frames()) * state_->config.channels.size());
-  for (std::int64_t first = 0; first < n_frames(); first += segment_frames())
-    state_->renderer.append_read_back(first, std::min(segment_frames(), n_frames() - first), all);
+  for (std::int64_t k = 0; k < n_segments(); ++k) {
+    const std::vector<float> part = audio::as_read_back(segment(k), state_->config.encoding);
+    all.insert(all.end(), part.begin(), part.end());
+  }
   return all;
 }
 

@@ -46,9 +46,6 @@ BOUNCELAB_VECTOR_CLONES void draw_words(std::uint64_t seed, std::uint32_t source
 constexpr std::size_t kPairs = 16;
 constexpr std::size_t kNoiseRow = 4 * kPairs;
 
-/// Of 31 bits. Below it a radius is drawn with 53 bits more: beyond 5.77 of its standard deviation.
-constexpr std::uint32_t kFewBits = 1U << 7;
-
 /// log u to 1 unit in the last place, u > 0 and normal: Cephes' logf (S. L. Moshier), without branches.
 [[gnu::always_inline]] inline float log_of(float u) {
   constexpr std::uint32_t kSqrtHalf = 0x3f3504f3U, kMantissa = 0x007fffffU;
@@ -99,14 +96,6 @@ BOUNCELAB_VECTOR_CLONES void transform(const NoiseWords& words, float* samples) 
     }
 }
 
-/// Whether a word asks for a radius of more bits.
-bool has_few_bits(const NoiseWords& words) {
-  std::uint32_t n_few = 0;
-  for (std::size_t k = 0; k < NoiseWords::kBlocks; ++k)
-    n_few += ((words.word[0][k] >> 1) < kFewBits ? 1 : 0) + ((words.word[2][k] >> 1) < kFewBits ? 1 : 0);
-  return n_few != 0;
-}
-
 void add_scaled(const float* x, double factor, std::size_t n, double* out) {
   for (std::size_t k = 0; k < n; ++k) out[k] += factor * static_cast<double>(x[k]);
 }
@@ -121,20 +110,6 @@ void NoiseWords::draw(std::uint64_t seed, std::uint32_t source, std::uint64_t fi
   draw_words(seed, source, first_block, word[0], word[1], word[2], word[3]);
 }
 
-void WhiteNoise::far_points(std::int64_t first_frame, const NoiseWords& words, float* samples) const {
-  for (std::size_t half = 0; half < 2; ++half)
-    for (std::size_t k = 0; k < NoiseWords::kBlocks; ++k) {
-      const std::uint32_t few = words.word[2 * half][k] >> 1;
-      if (few >= kFewBits) continue;
-      const std::size_t at = k / kPairs * kNoiseRow + 2 * half * kPairs + k % kPairs;
-      const auto frame = static_cast<std::uint64_t>(first_frame) + at;
-      Random random(seed_, RandomStream::noise, ((frame + 1) << 8) | source_);
-      const double u = (few + random.uniform()) * 0x1p-31;
-      point_of(static_cast<float>(std::sqrt(-2.0 * log(u))), words.word[2 * half + 1][k], samples[at],
-               samples[at + kPairs]);
-    }
-}
-
 template <class T>
 void WhiteNoise::add_to(std::int64_t first_frame, double rms, std::span<T> out) const {
   constexpr auto kInRow = static_cast<std::int64_t>(kNoiseRow),
@@ -146,7 +121,6 @@ void WhiteNoise::add_to(std::int64_t first_frame, double rms, std::span<T> out) 
   for (std::size_t k = 0; k < out.size(); frame += kAtOnce, skipped = 0) {
     words.draw(seed_, static_cast<std::uint32_t>(source_), static_cast<std::uint64_t>(frame / kInRow) * kPairs);
     transform(words, samples.data());
-    if (has_few_bits(words)) far_points(frame, words, samples.data());
     const std::size_t n = std::min(samples.size() - skipped, out.size() - k);
     add_scaled(samples.data() + skipped, rms, n, out.data() + k);
     k += n;

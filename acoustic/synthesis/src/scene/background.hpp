@@ -28,10 +28,9 @@ struct NoiseWords {
 ///
 ///   x = r cos a, y = r sin a,   r = sqrt(-2 log u), a = 2 pi v,   u and v uniform in (0, 1)
 ///
-/// Source: Box & Muller, Ann. Math. Stat. 29, 610 (1958), doi:10.1214/aoms/1177706645. u has 31 bits, and 53 more where
-/// those leave fewer than seven, so that the tails go on to 10 standard deviations; v has 32. In single precision: a
-/// sample is within 3e-7 of r of that of the u and v it was computed from, whose 24 bits leave a distribution function
-/// within 1e-7 of the normal's.
+/// Source: Box & Muller, Ann. Math. Stat. 29, 610 (1958), doi:10.1214/aoms/1177706645. u has 31 bits, so that the tails
+/// go on to 6.6 standard deviations, and v has 32. In single precision: a sample is within 3e-7 of r of that of the u
+/// and v it was computed from, whose 24 bits leave a distribution function within 1e-7 of the normal's.
 class WhiteNoise {
  public:
   /// @param source  0 to 255: channels and bursts have noises of their own
@@ -42,8 +41,6 @@ class WhiteNoise {
  private:
   template <class T>
   void add_to(std::int64_t first_frame, double rms, std::span<T> out) const;
-  /// The pairs whose radius asks for more bits.
-  void far_points(std::int64_t first_frame, const NoiseWords& words, float* samples) const;
   std::uint64_t seed_, source_;
 };
 

@@ -169,8 +169,7 @@ class SyntheticRecording {
   std::vector<double> segment(std::int64_t index) const;
   /// All samples: for short recordings.
   std::vector<double> samples() const;
-  /// The same as they would be read back from a file of the configuration's encoding, audio::as_read_back(samples(),
-  /// encoding), in one passage.
+  /// The same as they would be read back from a file of the configuration's encoding.
   std::vector<float> samples_as_read_back() const;
 
  private:
