@@ -19,15 +19,7 @@ Description members_of(const Note*) {
 }
 
 const char* to_string(Severity severity) {
-  switch (severity) {
-    case Severity::no_answer:
-      return "no_answer";
-    case Severity::warning:
-      return "warning";
-    case Severity::detail:
-      break;
-  }
-  return "detail";
+  static constexpr const char* kNames[]{"no_answer", "warning", "detail"};
+  return kNames[static_cast<std::size_t>(severity)];
 }
-
 }  // namespace bouncelab

@@ -97,19 +97,6 @@ Envelope::Support Envelope::support(Vector3 n) const {
   return support;
 }
 
-namespace {
-
-/// Asks the processor to load early what lies anywhere in memory.
-void prefetch(const void* place) {
-#if defined(__GNUC__)
-  __builtin_prefetch(place);
-#else
-  (void)place;
-#endif
-}
-
-}  // namespace
-
 LeafSearch::LeafSearch(const Envelope& envelope, Vector3 n) : envelope_(&envelope), point_(cube_point(n)) {
   const int depth = envelope.start_depth_;
   const StartGrid grid{depth, envelope.n_side_ << depth};
@@ -117,8 +104,8 @@ LeafSearch::LeafSearch(const Envelope& envelope, Vector3 n) : envelope_(&envelop
   ib_ = square_of(point_.b, grid.n_side);
   start_ = &envelope.starts_[grid.index(point_.face, ia_, ib_)];
   patch_ = &envelope.patches_[patch_index(point_.face, ia_ >> depth, ib_ >> depth, envelope.n_side_)];
-  prefetch(start_);
-  prefetch(patch_);
+  __builtin_prefetch(start_);
+  __builtin_prefetch(patch_);
 }
 
 std::optional<Envelope::Leaf> LeafSearch::advance() {
@@ -136,18 +123,18 @@ std::optional<Envelope::Leaf> LeafSearch::advance() {
     // here: gcc 12 takes a function that does nothing but this for one without effect, and calls to it out
     const Envelope::Leaf leaf{way_.found(point_), std::span(list_, way_.node.n_list),
                               patch_->sites.subspan(way_.node.base), patch_->asperities.subspan(way_.node.base)};
-    for (const std::uint16_t k : leaf.list) prefetch(&leaf.sites[k]);
-    for (const std::uint16_t k : leaf.list) prefetch(&leaf.asperities[k]);
+    for (const std::uint16_t k : leaf.list) __builtin_prefetch(&leaf.sites[k]);
+    for (const std::uint16_t k : leaf.list) __builtin_prefetch(&leaf.asperities[k]);
     return leaf;
   }
   if (is_inner(way_.node)) {
     next_ = Next::node;
-    prefetch(&way_.next(*patch_, point_));
+    __builtin_prefetch(&way_.next(*patch_, point_));
   } else {
     next_ = Next::list;
     list_ = patch_->lists.data() + way_.node.first;
-    prefetch(list_);
-    if (way_.node.n_list > 0) prefetch(list_ + way_.node.n_list - 1);
+    __builtin_prefetch(list_);
+    if (way_.node.n_list > 0) __builtin_prefetch(list_ + way_.node.n_list - 1);
   }
   return std::nullopt;
 }

@@ -6,8 +6,7 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cassert>
-#include <cctype>
+#include <array>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
@@ -17,6 +16,7 @@
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/files.hpp"
+#include "bouncelab/core/text.hpp"
 
 namespace bouncelab::audio {
 namespace {
@@ -26,31 +26,15 @@ constexpr double kWavLimit_bytes = 4294967295.0 - 65536.0;
 /// What the frame header of FLAC can encode (RFC 9639, 9.1.2 and 8.2): 20 bits of Hz.
 constexpr int kFlacMaxRate_hz = 655350;
 
-int bytes_per_sample(SampleEncoding encoding) {
-  if (encoding == SampleEncoding::pcm16) return 2;
-  return encoding == SampleEncoding::pcm24 ? 3 : 4;
-}
+struct EncodedAs {
+  int subtype, bytes_per_sample;
+};
+/// By SampleEncoding.
+constexpr std::array<EncodedAs, 4> kEncodings{
+    {{SF_FORMAT_PCM_16, 2}, {SF_FORMAT_PCM_24, 3}, {SF_FORMAT_PCM_32, 4}, {SF_FORMAT_FLOAT, 4}}};
+const EncodedAs& encoded_as(SampleEncoding encoding) { return kEncodings[static_cast<std::size_t>(encoding)]; }
 
-int subtype(SampleEncoding encoding) {
-  switch (encoding) {
-    case SampleEncoding::pcm16:
-      return SF_FORMAT_PCM_16;
-    case SampleEncoding::pcm24:
-      return SF_FORMAT_PCM_24;
-    case SampleEncoding::pcm32:
-      return SF_FORMAT_PCM_32;
-    case SampleEncoding::float32:
-      break;
-  }
-  return SF_FORMAT_FLOAT;
-}
-
-std::string lower_extension(const std::filesystem::path& path) {
-  std::string extension = path.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return extension;
-}
+std::string lower_extension(const std::filesystem::path& path) { return lower_case(path.extension().string()); }
 
 int container(const std::filesystem::path& path, const AudioSpec& spec, std::int64_t n_frames) {
   const std::string extension = lower_extension(path);
@@ -60,12 +44,12 @@ int container(const std::filesystem::path& path, const AudioSpec& spec, std::int
   if (extension != ".wav" && !(extension.empty() && is_stream(path)))  // no name tells
     throw InvalidArgument(path.string() + ": no sound format has the extension '" + extension +
                           "'; use .wav, .flac, .w64 or .rf64");
-  const double n_bytes = static_cast<double>(n_frames) * spec.n_channels * bytes_per_sample(spec.encoding);
+  const double n_bytes = static_cast<double>(n_frames) * spec.n_channels * encoded_as(spec.encoding).bytes_per_sample;
   return n_bytes > kWavLimit_bytes ? SF_FORMAT_RF64 : SF_FORMAT_WAV;
 }
 
 /// Of samples of full scale 1.
-double full_scale(SampleEncoding encoding) { return std::ldexp(1.0, 8 * bytes_per_sample(encoding) - 1); }
+double full_scale(SampleEncoding encoding) { return std::ldexp(1.0, 8 * encoded_as(encoding).bytes_per_sample - 1); }
 
 double steps(double x, double full_scale) {
   const double rounded = std::nearbyint(x * full_scale);
@@ -91,7 +75,7 @@ SF_INFO checked_info(const std::filesystem::path& path, const AudioSpec& spec, s
   SF_INFO info{};
   info.samplerate = spec.rate_hz;
   info.channels = spec.n_channels;
-  info.format = container(path, spec, n_frames) | subtype(spec.encoding);
+  info.format = container(path, spec, n_frames) | encoded_as(spec.encoding).subtype;
   if (spec.rate_hz <= 0)
     throw InvalidArgument(name + ": sample rate " + std::to_string(spec.rate_hz) + " Hz; it must be positive");
   if (lower_extension(path) == ".flac") {

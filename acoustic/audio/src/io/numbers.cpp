@@ -332,6 +332,7 @@ PlainSound npy_sound(FileBytes& bytes, std::optional<double> rate_hz) {
   info.n_frames = shape[0];
   info.may_be_infinite = number->coding != SF_FORMAT_PCM_16;
   sound.coding = number->coding | SF_ENDIAN_LITTLE;
+  sound.sample_bytes = static_cast<std::size_t>(number->n_bytes);
   sound.first_byte = head_at + static_cast<std::int64_t>(n_head);
   info.description = "NumPy, " + type.substr(1, 3);
   const std::int64_t frame_bytes = number->n_bytes * n_channels;

@@ -73,22 +73,15 @@ SoundFile open_sound(ByteCursor& cursor, SF_INFO& header) {
 
 /// The codings that keep of the sound what is heard. Others lose steps of the amplitude, which moves no impact.
 std::string lossy_coding_of(int format) {
-  switch (format & SF_FORMAT_SUBMASK) {
-    case SF_FORMAT_VORBIS:
-      return "Vorbis";
-    case SF_FORMAT_OPUS:
-      return "Opus";
-    case SF_FORMAT_MPEG_LAYER_I:
-      return "MPEG layer I";
-    case SF_FORMAT_MPEG_LAYER_II:
-      return "MPEG layer II";
-    case SF_FORMAT_MPEG_LAYER_III:
-      return "MP3";
-    case SF_FORMAT_GSM610:
-      return "GSM 6.10";
-    default:
-      return {};
-  }
+  constexpr std::array<std::pair<int, const char*>, 6> kLossy{{{SF_FORMAT_VORBIS, "Vorbis"},
+                                                               {SF_FORMAT_OPUS, "Opus"},
+                                                               {SF_FORMAT_MPEG_LAYER_I, "MPEG layer I"},
+                                                               {SF_FORMAT_MPEG_LAYER_II, "MPEG layer II"},
+                                                               {SF_FORMAT_MPEG_LAYER_III, "MP3"},
+                                                               {SF_FORMAT_GSM610, "GSM 6.10"}}};
+  for (const auto& [coding, name] : kLossy)
+    if (coding == (format & SF_FORMAT_SUBMASK)) return name;
+  return {};
 }
 
 bool is_integer(int format) {
@@ -120,21 +113,6 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "samples are read as they lie in files");
 
 constexpr std::size_t kBytesAtOnce = 1 << 14;  // stay in the nearest cache
-
-std::size_t bytes_of_sample(int coding) {
-  switch (coding & SF_FORMAT_SUBMASK) {
-    case SF_FORMAT_PCM_U8:
-      return 1;
-    case SF_FORMAT_PCM_16:
-      return 2;
-    case SF_FORMAT_PCM_24:
-      return 3;
-    case SF_FORMAT_DOUBLE:
-      return 8;
-    default:
-      return 4;
-  }
-}
 
 /// @tparam n_bytes  from one sample to the next. @param value  of a Word, full scale = 1
 template <class Word, std::size_t n_bytes = sizeof(Word), class Value>
@@ -192,7 +170,7 @@ void convert(int coding, const std::byte* from, std::span<float> out) {
 
 void PlainSamples::read(std::int64_t first, std::span<float> interleaved) const {
   FileBytes bytes = bytes_;  // whose error is this call's
-  const std::size_t n_bytes = bytes_of_sample(sound_.coding);
+  const std::size_t n_bytes = sound_.sample_bytes;
   std::array<std::byte, kBytesAtOnce + 1> piece;
   std::int64_t at = first * sound_.info.n_channels;  // of all samples
   while (!interleaved.empty()) {

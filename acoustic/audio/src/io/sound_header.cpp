@@ -43,20 +43,16 @@ struct Samples {
   bool has_64_bits = false;    // the length
 };
 
-int integers_of(std::uint64_t n_bits) {
-  switch (n_bits) {
-    case 16:
-      return SF_FORMAT_PCM_16;
-    case 24:
-      return SF_FORMAT_PCM_24;
-    case 32:
-      return SF_FORMAT_PCM_32;
-    default:
-      return 0;
-  }
-}
-
-int floats_of(std::uint64_t n_bits) { return n_bits == 32 ? SF_FORMAT_FLOAT : n_bits == 64 ? SF_FORMAT_DOUBLE : 0; }
+struct PlainCoding {
+  std::uint64_t tag, n_bits;
+  int coding;
+};
+constexpr std::array<PlainCoding, 6> kPlainCodings{{{1, 8, SF_FORMAT_PCM_U8},
+                                                    {1, 16, SF_FORMAT_PCM_16},
+                                                    {1, 24, SF_FORMAT_PCM_24},
+                                                    {1, 32, SF_FORMAT_PCM_32},
+                                                    {3, 32, SF_FORMAT_FLOAT},
+                                                    {3, 64, SF_FORMAT_DOUBLE}}};
 
 /// The content of the chunk `fmt `: tag, channels, rate, bytes a second, bytes a frame, bits; where the
 /// tag says so, a longer one with the tag at the begin of an identifier of 16 bytes.
@@ -72,14 +68,14 @@ void take_format(std::string_view content, Kind kind, Samples& s) {
   s.n_channels = static_cast<std::int64_t>(number(2, 2));
   s.rate_hz = static_cast<double>(number(4, 4));
   s.frame_bytes = static_cast<std::int64_t>(number(12, 2));
-  const int integers = n_bits == 8 ? SF_FORMAT_PCM_U8 : integers_of(n_bits);
-  const int coding = tag == 1 ? integers : tag == 3 ? floats_of(n_bits) : 0;
-  if (coding == 0 || s.frame_bytes != s.n_channels * static_cast<std::int64_t>(n_bits / 8)) return;
+  const auto* const plain = std::find_if(kPlainCodings.begin(), kPlainCodings.end(),
+                                         [&](const PlainCoding& p) { return p.tag == tag && p.n_bits == n_bits; });
+  if (plain == kPlainCodings.end() || s.frame_bytes != s.n_channels * static_cast<std::int64_t>(n_bits / 8)) return;
   const int container = kind == Kind::rf64  ? SF_FORMAT_RF64
                         : kind == Kind::w64 ? SF_FORMAT_W64
                         : is_extensible     ? SF_FORMAT_WAVEX
                                             : SF_FORMAT_WAV;
-  s.format = container | coding | SF_ENDIAN_LITTLE;
+  s.format = container | plain->coding | SF_ENDIAN_LITTLE;
 }
 
 std::optional<Samples> samples_in(FileBytes& bytes) {
@@ -191,6 +187,7 @@ std::optional<PlainSound> plain_sound(FileBytes& bytes) {
   sound.coding = s->format & (SF_FORMAT_SUBMASK | SF_FORMAT_ENDMASK);
   const int coding = s->format & SF_FORMAT_SUBMASK;
   info.may_be_infinite = coding == SF_FORMAT_FLOAT || coding == SF_FORMAT_DOUBLE;
+  sound.sample_bytes = static_cast<std::size_t>(s->frame_bytes / s->n_channels);
   sound.first_byte = s->begin;
   std::optional<double> n_promised = length_of(*s);
   if (n_promised) *n_promised /= static_cast<double>(s->frame_bytes);

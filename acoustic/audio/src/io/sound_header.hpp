@@ -67,6 +67,7 @@ std::optional<Chunk> chunk_at(FileBytes& bytes, const ChunkLayout& layout, std::
 struct PlainSound {
   SoundInfo info;
   int coding = 0;  ///< as libsndfile numbers it, with the order of bytes
+  std::size_t sample_bytes = 0;
   std::int64_t first_byte = 0;
 };
 

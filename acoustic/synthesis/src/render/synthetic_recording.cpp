@@ -118,17 +118,9 @@ std::vector<float> SyntheticRecording::samples_as_read_back() const {
 }
 
 const char* to_string(OtherSoundKind kind) {
-  switch (kind) {
-    case OtherSoundKind::click:
-      return "click";
-    case OtherSoundKind::knock:
-      return "knock";
-    case OtherSoundKind::speech:
-      return "speech";
-  }
-  return "";
+  static constexpr const char* kNames[]{"click", "knock", "speech"};
+  return kNames[static_cast<std::size_t>(kind)];
 }
-
 Onsets onsets_of_truth(const std::vector<TrueImpact>& truth, const std::string& recording) {
   Onsets onsets;
   for (const TrueImpact& impact : truth)
