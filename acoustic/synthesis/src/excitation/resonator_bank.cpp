@@ -2,7 +2,6 @@
 #include "excitation/resonator_bank.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 #include <numeric>

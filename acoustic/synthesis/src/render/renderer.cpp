@@ -9,7 +9,6 @@
 #include <string>
 #include <utility>
 
-#include "bouncelab/audio/sound_file.hpp"
 #include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/error.hpp"
