@@ -99,7 +99,9 @@ Description members_of(const LoopScore*) {
 }
 
 Value as_value(const SlopePair& pair) {
-  return Object{{"simulation", value_of(pair.simulation)}, {"sound", value_of(pair.sound)}, {"ratio", pair.ratio}};
+  return Object{{"simulation", value_of(pair.simulation)},
+                {"sound", value_of(pair.sound)},
+                {"ratio", pair.sound.value / pair.simulation.value}};
 }
 
 Description members_of(const SlopeWindow*) {

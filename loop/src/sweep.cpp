@@ -24,10 +24,10 @@ std::string detection_failure(const Agreement& agreement) {
 
 constexpr std::array kSides{&fit::HistogramFit::slope_rising, &fit::HistogramFit::slope_falling};
 
-std::string failure_of(const LoopResult& loop, const std::vector<double>& node_speeds_mps) {
+std::string failure_of(const LoopResult& loop) {
   if (std::string failure = detection_failure(loop.rough.score.agreement[kJitterTolerance]); !failure.empty())
     return failure;
-  for (const double v : node_speeds_mps) {
+  for (const double v : kNodeSpeeds_mps) {
     const std::optional<fit::Estimate> sound = eps_at(loop.sound, v), exact = eps_at(loop.true_times, v);
     if (!sound || !exact || !exact->se) return "no law";
     if (std::abs(sound->value - exact->value) > *exact->se)
@@ -63,7 +63,7 @@ std::size_t n_complete(const LoopResult& loop) {
   return static_cast<std::size_t>(std::count(n_impacts.begin(), n_impacts.end(), loop.simulation.n_impacts_max));
 }
 
-std::vector<SweepValue> values_of(const LoopResult& loop, const std::vector<double>& node_speeds_mps) {
+std::vector<SweepValue> values_of(const LoopResult& loop) {
   const DetectorScore& score = loop.rough.score;
   const Agreement& agreement = score.agreement[kJitterTolerance];
   Values values;
@@ -74,7 +74,7 @@ std::vector<SweepValue> values_of(const LoopResult& loop, const std::vector<doub
   values.add("within_drops_s", score.within_drops_s);
   values.add("pull", score.pull());
   values.add_count("n_samples", loop.sound.n_used);
-  for (const double v : node_speeds_mps) {
+  for (const double v : kNodeSpeeds_mps) {
     const std::string name = formatted("eps_%g", v);
     values.add(name + "_truth", restitution(loop.simulation.law, v));
     for (const auto& [suffix, fit] : {std::pair{"_true_times", &loop.true_times}, {"_sound", &loop.sound}})
@@ -121,8 +121,8 @@ std::string text_of(const Settings& settings) {
   return text;
 }
 
-SweepPoint sweep_point(Settings settings, const LoopResult& loop, const std::vector<double>& node_speeds_mps) {
-  return {std::move(settings), values_of(loop, node_speeds_mps), failure_of(loop, node_speeds_mps)};
+SweepPoint sweep_point(Settings settings, const LoopResult& loop) {
+  return {std::move(settings), values_of(loop), failure_of(loop)};
 }
 
 Table to_table(const std::vector<SweepPoint>& points) {
