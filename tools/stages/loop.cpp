@@ -229,16 +229,13 @@ std::vector<Section> sections_of(LoopOptions& options) {
   return sections;
 }
 
-void apply_loop_preset(LoopOptions& options, Run& run) {
-  if (options.preset != "paper") return;
-  apply_paper_preset(options.scene.simulate, run);
-  const auto set = [&](const std::string& name, double& value, double to) {
-    if (run.given.contains(name)) return;
-    value = to;
-    set_parameter(run.parameters, name, fmt::format("{:g}", to));
-  };
-  set("lead-in", options.scene.synthesize.config.lead_in_s, loop::kPaperLeadIn_s);
-  set("pause", options.scene.synthesize.config.pause_s, loop::kPaperPause_s);
+void apply_preset(LoopOptions& options, const Given& given) {
+  if (!is_paper(options)) return;
+  options.scene.simulate.preset = options.preset;
+  apply_preset(options.scene.simulate, given);
+  synthesis::SynthesisConfig& sound = options.scene.synthesize.config;
+  if (!given.contains("lead-in")) sound.lead_in_s = loop::kPaperLeadIn_s;
+  if (!given.contains("pause")) sound.pause_s = loop::kPaperPause_s;
 }
 
 namespace {
@@ -265,8 +262,7 @@ Outcome run_sweep(const LoopOptions& options, const Run& run) {
   std::vector<loop::SweepPoint> points;
   for (const loop::Settings& settings : all) {
     progress(static_cast<double>(points.size()), static_cast<double>(all.size()));
-    const loop::LoopConfig config = config_of(settings, true);
-    points.push_back(loop::sweep_point(settings, loop::run_loop(config, interrupts_only), config.node_speeds_mps));
+    points.push_back(loop::sweep_point(settings, loop::run_loop(config_of(settings, true))));
   }
   const std::vector<fs::path> inputs = files_named_by_options(run);
   write_table(run, folder / "sweep.csv", to_table(points), inputs);

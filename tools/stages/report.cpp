@@ -4,8 +4,6 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <algorithm>
-#include <cctype>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -99,11 +97,6 @@ std::string page_of(const nlohmann::json& figure) {
          "px; margin: 0 } body { margin: 0 } svg { display: block }</style>" + figure.at("svg").get<std::string>();
 }
 
-bool is_plain(const std::string& name) {
-  return !name.empty() && std::all_of(name.begin(), name.end(),
-                                      [](unsigned char c) { return std::isalnum(c) != 0 || c == '-' || c == '_'; });
-}
-
 /// What the page's scripts put in place of the page (listFigures in plot.js).
 nlohmann::json listed_figures(const Browser& browser, const fs::path& page) {
   const std::string begin = "<script type=\"application/json\" id=\"figures\">", end = "</script>";
@@ -131,7 +124,6 @@ Files draw_figures(const std::string& page, const fs::path& folder, const Progre
   Files files;
   for (const nlohmann::json& figure : listed) {
     const std::string name = figure.at("name");
-    if (!is_plain(name)) throw browser.failure("a figure is called '" + name + "'");
     write_whole(single, page_of(figure), true);
     browser.open(single.string(), {"--no-pdf-header-footer", "--print-to-pdf=" + pdf.string()});
     files.emplace_back(folder / (name + ".svg"), figure.at("svg"));
