@@ -198,37 +198,28 @@ fit::BudgetConfig budget_config_of(const sim::SimulationConfig& simulation) {
 }
 
 void fit_everything(LoopResult& loop, const LoopConfig& config, const StageProgress& progress) {
-  const auto samples_of = [&](const Onsets& onsets) {
-    return fit::restitution_samples(onsets, restitution_config_of(loop.simulation)).samples;
-  };
   fit::FitConfig fit_config;
   fit_config.law.node_speeds_mps.assign(kNodeSpeeds_mps.begin(), kNodeSpeeds_mps.end());
   fit_config.law.seed = loop.simulation.seed;
   fit_config.budget = budget_config_of(loop.simulation);
   fit_config.compare_recordings = false;  // each drop is one, all of the same ball
-  const auto fit = [&](const RestitutionSamples& samples, fit::FitResult& result, bool memory = false) {
+  const auto fit = [&](RestitutionSamples of, RestitutionSamples& samples, fit::FitResult& result, bool memory) {
     fit::FitConfig this_config = fit_config;
     if (memory) this_config.memory = fit::UseMemory::where_long;
+    samples = std::move(of);
     result = fit::fit_all(samples, this_config);
   };
-  std::vector<std::function<void()>> fits{[&] {
-                                            loop.samples_sound = samples_of(onsets_of(loop.rough.recordings));
-                                            fit(loop.samples_sound, loop.sound, config.with_memory);
-                                          },
-                                          [&] {
-                                            loop.samples_true = samples_of(true_onsets_of(loop.rough.recordings));
-                                            fit(loop.samples_true, loop.true_times, config.with_memory);
-                                          }};
+  const auto fit_onsets = [&](const Onsets& onsets, RestitutionSamples& samples, fit::FitResult& result, bool memory) {
+    fit(fit::restitution_samples(onsets, restitution_config_of(loop.simulation)).samples, samples, result, memory);
+  };
+  const auto &rough = loop.rough.recordings, &smooth = loop.smooth.recordings;
+  std::vector<std::function<void()>> fits{
+      [&] { fit_onsets(onsets_of(rough), loop.samples_sound, loop.sound, config.with_memory); },
+      [&] { fit_onsets(true_onsets_of(rough), loop.samples_true, loop.true_times, config.with_memory); }};
   if (config.with_direct)
-    fits.emplace_back([&] {
-      loop.samples_direct = direct_samples(loop.rough.impacts);
-      fit(loop.samples_direct, loop.direct);
-    });
-  if (!loop.smooth.recordings.empty())
-    fits.emplace_back([&] {
-      loop.samples_smooth = samples_of(onsets_of(loop.smooth.recordings));
-      fit(loop.samples_smooth, loop.smooth_sound);
-    });
+    fits.emplace_back([&] { fit(direct_samples(loop.rough.impacts), loop.samples_direct, loop.direct, false); });
+  if (!smooth.empty())
+    fits.emplace_back([&] { fit_onsets(onsets_of(smooth), loop.samples_smooth, loop.smooth_sound, false); });
   if (const ProgressCallback report = progress("fit", "fits")) report(0.0, static_cast<double>(fits.size()));
   parallel_for(fits.size(), config.n_threads, [&](std::size_t k) { fits[k](); });
 }

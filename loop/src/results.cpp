@@ -141,10 +141,7 @@ Description members_of(const ScatterTheory*) {
       member<&T::slopes>("slopes", "`[{v_mps, n, rising, falling}]` over the n simulated impacts of each window"),
       member<&T::densities>("densities", "`[{v_mps, eps, density, n_simulated, simulated_counts}]`"),
       member<&T::n_transforms>("n_transforms", "Probability transforms of the simulated impacts"),
-      computed(
-          "transform_counts",
-          [](const T& t) { return std::vector<std::size_t>(t.transform_counts.begin(), t.transform_counts.end()); },
-          "By twentieths")};
+      member<&T::transform_counts>("transform_counts", "By twentieths")};
   return all;
 }
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
+#include <type_traits>
 
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/text.hpp"
@@ -128,22 +128,19 @@ SweepPoint sweep_point(Settings settings, const LoopResult& loop) {
 Table to_table(const std::vector<SweepPoint>& points) {
   Table table;
   const SweepPoint& first = points.front();
+  const auto add = [&](const std::string& name, const auto& of) {
+    std::vector<std::remove_cvref_t<decltype(of(first))>> cells;
+    for (const SweepPoint& point : points) cells.push_back(of(point));
+    table.columns.push_back({name, std::move(cells)});
+  };
   for (std::size_t k = 0; k < first.settings.size(); ++k) {
     std::string name = first.settings[k].first;
     std::replace(name.begin(), name.end(), '-', '_');
-    std::vector<std::string> cells;
-    for (const SweepPoint& point : points) cells.push_back(point.settings[k].second);
-    table.columns.push_back({std::move(name), std::move(cells)});
+    add(name, [k](const SweepPoint& point) { return point.settings[k].second; });
   }
-  for (std::size_t k = 0; k < first.values.size(); ++k) {
-    std::vector<double> cells;
-    for (const SweepPoint& point : points)
-      cells.push_back(point.values[k].value.value_or(std::numeric_limits<double>::quiet_NaN()));
-    table.columns.push_back({first.values[k].name, std::move(cells)});
-  }
-  std::vector<std::string> failures;
-  for (const SweepPoint& point : points) failures.push_back(point.failure);
-  table.columns.push_back({"trouble", std::move(failures)});
+  for (std::size_t k = 0; k < first.values.size(); ++k)
+    add(first.values[k].name, [k](const SweepPoint& point) { return point.values[k].value.value_or(std::nan("")); });
+  add("trouble", [](const SweepPoint& point) { return point.failure; });
   return table;
 }
 

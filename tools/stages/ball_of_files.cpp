@@ -31,6 +31,11 @@ std::string common_parameter(const std::vector<fs::path>& files, const std::stri
   return first;
 }
 
+[[noreturn]] void refuse_history(const fs::path& file, const std::string& option, const std::string& why) {
+  throw FileError(file.string(), "its --" + option + ", as its provenance (.meta.json) has it, cannot be taken: " +
+                                     why + "; say what it is with --" + option);
+}
+
 }  // namespace
 
 void keep_conditions_of(const std::vector<fs::path>& files, Parameters& parameters) {
@@ -45,15 +50,6 @@ void keep_conditions_of(const std::vector<fs::path>& files, Parameters& paramete
     if (is_of_all && !is_given) parameters.push_back({option, {*value}});
   }
 }
-
-namespace {
-
-[[noreturn]] void refuse_history(const fs::path& file, const std::string& option, const std::string& why) {
-  throw FileError(file.string(), "its --" + option + ", as its provenance (.meta.json) has it, cannot be taken: " +
-                                     why + "; say what it is with --" + option);
-}
-
-}  // namespace
 
 BallChoice with_provenance(BallChoice choice, const std::vector<fs::path>& files) {
   const auto take = [&](std::string& value, const std::string& option, const auto& read) {

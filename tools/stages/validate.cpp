@@ -7,6 +7,8 @@
 #include <cmath>
 #include <filesystem>
 #include <optional>
+#include <string_view>
+#include <type_traits>
 #include <utility>
 
 #include "bouncelab/core/error.hpp"
@@ -103,29 +105,24 @@ std::string text_of(const std::vector<Case>& cases, const std::vector<loop::Swee
 
 /// scores.csv
 Table table_of(const std::vector<Case>& cases, const std::vector<DetectorResult>& results) {
-  std::vector<std::string> detectors, recordings, settings, failures;
-  std::vector<loop::DetectorScore> scores;
-  for (const DetectorResult& result : results)
-    for (std::size_t k = 0; k < cases.size(); ++k) {
-      detectors.push_back(result.name);
-      recordings.push_back(cases[k].name);
-      settings.push_back(loop::text_of(cases[k].settings));
-      failures.push_back(result.marks[k].failure);
-      scores.push_back(result.marks[k].score);
-    }
-  Table table{
-      {{"detector", std::move(detectors)}, {"recording", std::move(recordings)}, {"setting", std::move(settings)}}};
-  for (const Member& member : members_of(static_cast<const loop::DetectorScore*>(nullptr))) {
-    std::vector<double> cells;
-    for (const loop::DetectorScore& score : scores) {
-      const Value value = member.get(&score);
-      const auto* count = std::get_if<std::uint64_t>(&value);
+  Table table;
+  const auto add = [&](std::string_view name, const auto& of) {
+    std::vector<std::remove_cvref_t<decltype(of(results.front(), 0))>> cells;
+    for (const DetectorResult& result : results)
+      for (std::size_t k = 0; k < cases.size(); ++k) cells.push_back(of(result, k));
+    table.columns.push_back({std::string(name), std::move(cells)});
+  };
+  add("detector", [](const DetectorResult& result, std::size_t) { return result.name; });
+  add("recording", [&](const DetectorResult&, std::size_t k) { return cases[k].name; });
+  add("setting", [&](const DetectorResult&, std::size_t k) { return loop::text_of(cases[k].settings); });
+  for (const Member& member : members_of(static_cast<const loop::DetectorScore*>(nullptr)))
+    add(member.name, [&](const DetectorResult& result, std::size_t k) {
+      const Value value = member.get(&result.marks[k].score);
+      if (const auto* count = std::get_if<std::uint64_t>(&value)) return static_cast<double>(*count);
       const auto* real = std::get_if<double>(&value);
-      cells.push_back(count != nullptr ? static_cast<double>(*count) : real != nullptr ? *real : std::nan(""));
-    }
-    table.columns.push_back({std::string(member.name), std::move(cells)});
-  }
-  table.columns.push_back({"failure", std::move(failures)});
+      return real != nullptr ? *real : std::nan("");
+    });
+  add("failure", [](const DetectorResult& result, std::size_t k) { return result.marks[k].failure; });
   return table;
 }
 
