@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bouncelab/loop/theory.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <map>
 #include <tuple>

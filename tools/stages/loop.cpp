@@ -178,17 +178,17 @@ void write_recording(const loop::LoopResult& loop, const fs::path& folder, const
 /// @param through_memory  a recording for each drop, which has one channel
 /// @throws InvalidArgument
 loop::LoopConfig loop_config(const LoopOptions& options, const CommonOptions& common, bool through_memory) {
+  Scene scene = options.scene;
+  scene.simulate.world = scene.synthesize.world = scene.world;
   loop::LoopConfig config;
-  config.simulation =
-      simulation_config(with_world(options.scene.simulate, options.scene.world), common.seed, common.n_threads);
-  config.synthesis =
-      synthesis_config(with_world(options.scene.synthesize, options.scene.world), common.seed, common.n_threads);
+  config.simulation = simulation_config(scene.simulate, common.seed, common.n_threads);
+  config.synthesis = synthesis_config(scene.synthesize, common.seed, common.n_threads);
   if (through_memory && config.synthesis.channels.size() != 1)
     throw InvalidArgument("--channel: a loop through memory has one sensor, not " +
                           std::to_string(config.synthesis.channels.size()) +
                           "; give one, or use --preset quick without lists");
-  config.n_asperities = options.scene.simulate.n_asperities;
-  config.radius_law = sim::radius_law_from_text(options.scene.simulate.radius_law);
+  config.n_asperities = scene.simulate.n_asperities;
+  config.radius_law = sim::radius_law_from_text(scene.simulate.radius_law);
   config.n_threads = common.n_threads;
   if (options.keep_sound && is_paper(options)) config.sound_folder = fs::path(options.out) / "sound";
   return config;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "stages/files/sample_files.hpp"
 
-#include <cstdint>
 #include <limits>
 #include <map>
 #include <system_error>

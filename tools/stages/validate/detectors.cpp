@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <cctype>
-#include <cmath>
 #include <ctime>
 #include <string_view>
 
