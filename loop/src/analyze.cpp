@@ -10,10 +10,6 @@
 namespace bouncelab::loop {
 namespace {
 
-ProgressCallback callback(const StageProgress& progress, const char* label, const char* unit) {
-  return progress ? progress(label, unit) : ProgressCallback{};
-}
-
 /// @param rate_hz  of numbers without a sampling rate
 audio::AudioSource sound_of_file(const detection::RecordingDetection& r, std::optional<double> rate_hz) {
   const auto reader = std::make_shared<audio::AudioReader>(r.recording, rate_hz, r.found.summary.track);
@@ -39,11 +35,6 @@ std::vector<RecordingDetails> details_of(const Analysis& analysis, const Analyze
     all.push_back(std::move(details));
   }
   return all;
-}
-
-void times_to_constants(Analysis& analysis, const AnalyzeConfig& config, const StageProgress& progress) {
-  analysis.restitution = fit::restitution_samples(analysis.onsets, config.restitution);
-  analysis.fit = fit::fit_all(analysis.restitution.samples, config.fit, callback(progress, "fit", "fits"));
 }
 
 }  // namespace
@@ -75,14 +66,15 @@ Analysis analyze(const std::vector<std::filesystem::path>& recordings, const Ana
     return sound_of_file(r, config.detection.rate_hz);
   };
   return analyze_found(detect_all(recordings, detection_config(config), config.n_threads, config.with_details,
-                                  callback(progress, "detect", recordings.size() == 1 ? "s of sound" : "recordings")),
+                                  progress("detect", recordings.size() == 1 ? "s of sound" : "recordings")),
                        config, sound_of, progress);
 }
 
 Analysis analyze_times(Onsets onsets, const AnalyzeConfig& config, const StageProgress& progress) {
   Analysis analysis;
   analysis.onsets = std::move(onsets);
-  times_to_constants(analysis, config, progress);
+  analysis.restitution = fit::restitution_samples(analysis.onsets, config.restitution);
+  analysis.fit = fit::fit_all(analysis.restitution.samples, config.fit, progress("fit", "fits"));
   return analysis;
 }
 
@@ -90,19 +82,20 @@ Analysis analyze_samples(RestitutionSamples samples, const AnalyzeConfig& config
   Analysis analysis;
   analysis.restitution.counts.n_samples = samples.size();
   analysis.restitution.samples = std::move(samples);
-  analysis.fit = fit::fit_all(analysis.restitution.samples, config.fit, callback(progress, "fit", "fits"));
+  analysis.fit = fit::fit_all(analysis.restitution.samples, config.fit, progress("fit", "fits"));
   return analysis;
 }
 
 Analysis analyze_found(std::vector<detection::RecordingDetection> recordings, const AnalyzeConfig& config,
                        const SoundOf& sound_of, const StageProgress& progress) {
+  Onsets onsets;
+  for (const detection::RecordingDetection& r : recordings)
+    onsets.insert(onsets.end(), r.found.onsets.begin(), r.found.onsets.end());
   Analysis analysis;
+  if (!onsets.empty()) analysis = analyze_times(std::move(onsets), config, progress);
   analysis.recordings = std::move(recordings);
   const detection::RecordingDetection* const shown = first_found(analysis.recordings);
   if (!shown) return analysis;
-  for (const detection::RecordingDetection& r : analysis.recordings)
-    analysis.onsets.insert(analysis.onsets.end(), r.found.onsets.begin(), r.found.onsets.end());
-  times_to_constants(analysis, config, progress);
   analysis.wave = detection::wave_preview(sound_of(*shown), input_name(shown->recording), shown->found.summary.channel,
                                           shown->found.onsets);
   if (config.with_details) analysis.details = details_of(analysis, config, sound_of);

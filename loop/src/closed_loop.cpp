@@ -2,17 +2,18 @@
 #include "bouncelab/loop/closed_loop.hpp"
 
 #include <algorithm>
+#include <mutex>
+#include <utility>
+
+#include "bouncelab/audio/sound_file.hpp"
+#include "bouncelab/core/error.hpp"
+#include "bouncelab/detection/detect.hpp"
+#include "bouncelab/synthesis/synthesize.hpp"
 
 namespace bouncelab::loop {
 namespace {
 
-std::int64_t n_smooth_drops(std::int64_t n_rough) {
-  return std::max<std::int64_t>(1, n_rough / kRoughDropsPerSmoothDrop);
-}
-
-ProgressCallback callback(const StageProgress& progress, const std::string& label, const std::string& unit) {
-  return progress ? progress(label, unit) : ProgressCallback{};
-}
+namespace fs = std::filesystem;
 
 /// The scatter of the simulation itself, without any measurement.
 RestitutionSamples direct_samples(const Impacts& impacts) {
@@ -33,15 +34,14 @@ RestitutionSamples direct_samples(const Impacts& impacts) {
 sim::Surface surface_of(const LoopConfig& config, const StageProgress& progress) {
   if (config.surface) return *config.surface;
   return sim::make_surface(config.simulation.ball, config.n_asperities, config.radius_law, config.simulation.seed,
-                           callback(progress, "surface", "asperities"));
+                           progress("surface", "asperities"));
 }
 
 BallResult simulated(const std::string& name, const sim::SimulationConfig& config, const sim::Surface& surface,
                      LoopResult& loop, const StageProgress& progress) {
-  sim::SimulationResult result = sim::simulate(config, surface, callback(progress, "simulate", "drops"));
+  sim::SimulationResult result = sim::simulate(config, surface, progress("simulate", "drops"));
   if (config.with_state) {
     loop.shares = sim::energy_shares(config.ball, result.impacts);
-    loop.energy = result.energy;
     loop.reservoirs = sim::reservoirs_after(config.ball, result.impacts);
   }
   BallResult ball;
@@ -61,7 +61,7 @@ void simulate_balls(const LoopConfig& config, LoopResult& loop, const StageProgr
   }
   if (!config.with_smooth_ball) return;
   simulation.with_state = false;
-  simulation.n_drops = n_smooth_drops(simulation.n_drops);
+  simulation.n_drops = std::max<std::int64_t>(1, simulation.n_drops / kRoughDropsPerSmoothDrop);
   loop.smooth = simulated("smooth", simulation, sim::Surface{}, loop, progress);
 }
 
@@ -73,24 +73,106 @@ void score(BallResult& ball) {
   ball.score = pooled(scores);
 }
 
-void record_and_detect(BallResult& ball, const DropRecording& recording, int n_threads, const StageProgress& progress) {
-  ball.recordings = run_drops(ball.impacts, ball.name, recording, n_threads,
-                              callback(progress, "synthesize and detect the " + ball.name + " ball", "drops"));
-  score(ball);
+/// How drops become sound: one recording each, all with the same gain and noise level.
+struct DropSound {
+  synthesis::SynthesisConfig config;  ///< one channel; positions drawn, one for each drop
+  synthesis::Levels levels;
+  std::shared_ptr<const synthesis::Instrument> instrument;
+};
+
+std::vector<Impacts> by_drop(const Impacts& impacts) {
+  std::vector<Impacts> all;
+  const synthesis::DropSource drops = synthesis::drops_of(impacts);
+  for (Impacts drop; drops(std::ssize(all), drop);) all.push_back(drop);
+  return all;
 }
 
+/// Gain and noise are chosen for the first drops: the weakest impact of so many has the SNR of the configuration.
+/// @throws InvalidArgument where there is more than one channel
+DropSound sound_of_drops(const synthesis::SynthesisConfig& config, const std::vector<Impacts>& drops) {
+  constexpr std::size_t kDropsForLevels = 40;
+  if (config.channels.size() != 1)
+    throw InvalidArgument("a loop through memory has one sensor, not " + std::to_string(config.channels.size()));
+  DropSound sound;
+  sound.config = config;
+  sound.config.simulated_positions = false;
+  sound.config.n_threads = 1;  // the drops run in parallel
+  sound.instrument = synthesis::make_instrument(sound.config);
+  Impacts first;
+  for (std::size_t k = 0; k < std::min(kDropsForLevels, drops.size()); ++k)
+    first.rows.insert(first.rows.end(), drops[k].rows.begin(), drops[k].rows.end());
+  sound.levels = synthesis::SyntheticRecording(first, sound.config, sound.instrument).levels();
+  return sound;
+}
+
+void keep(const std::vector<float>& samples, const synthesis::SynthesisConfig& config, const fs::path& path) {
+  audio::AudioWriter writer(path, {config.rate_hz, 1, config.encoding}, std::ssize(samples), true);
+  writer.write(samples);
+  writer.commit();
+}
+
+/// A pure function of its arguments but for the recording that is kept.
+/// @param ball    names the recording, BALL.0017.flac
+/// @param folder  as LoopConfig::sound_folder
+RecordingResult run_drop(const Impacts& drop, const std::string& ball, const DropSound& by,
+                         const std::optional<fs::path>& folder) {
+  RecordingResult result;
+  const std::int64_t number = drop.rows.front().drop;
+  const synthesis::SynthesisConfig config = synthesis::config_of_drop(by.config, by.levels, number);
+  const synthesis::SyntheticRecording sound(drop, config, by.instrument);
+  const std::vector<float> samples = sound.samples_as_read_back();
+  result.truth = sound.truth();
+  result.sound_s = static_cast<double>(samples.size()) / config.rate_hz;
+  result.recording = synthesis::path_of_drop(ball + ".flac", number).string();
+  if (folder) keep(samples, config, *folder / result.recording);
+  result.onsets = detection::detect(samples, config.rate_hz, result.recording).onsets;
+  return result;
+}
+
+/// The sound of each drop and the impacts in it, in parallel, through memory; the same for any number of threads.
 void sound_by_drop(LoopResult& loop, const LoopConfig& config, const StageProgress& progress) {
-  DropRecording recording = drop_recording(config.synthesis, loop.rough.impacts);
-  recording.folder = config.sound_folder;
-  record_and_detect(loop.rough, recording, config.n_threads, progress);
-  if (config.with_smooth_ball) record_and_detect(loop.smooth, recording, config.n_threads, progress);
+  std::optional<DropSound> sound;  // that of the rough ball
+  for (BallResult* ball : {&loop.rough, &loop.smooth}) {
+    if (ball->name.empty()) continue;
+    const std::vector<Impacts> drops = by_drop(ball->impacts);
+    if (!sound) sound = sound_of_drops(config.synthesis, drops);
+    ball->recordings.resize(drops.size());
+    const ProgressCallback shown = progress("synthesize and detect the " + ball->name + " ball", "drops");
+    std::mutex mutex;
+    std::size_t n_done = 0;
+    parallel_for(drops.size(), config.n_threads, [&](std::size_t k) {
+      ball->recordings[k] = run_drop(drops[k], ball->name, *sound, config.sound_folder);
+      const std::lock_guard lock(mutex);
+      if (shown) shown(static_cast<double>(++n_done), static_cast<double>(drops.size()));
+    });
+    score(*ball);
+  }
 }
 
+/// All drops in one file, one after the other: what they have in common is learned of all.
 void sound_together(LoopResult& loop, const LoopConfig& config, const StageProgress& progress) {
-  loop.rough.recordings.push_back(synthesize_together(loop.rough.impacts, config.synthesis, *config.recording,
-                                                      callback(progress, "synthesize", "s of sound")));
-  detect_together(loop.rough.recordings.back(), config.n_threads, callback(progress, "detect", "s of sound"));
+  RecordingResult result;
+  result.recording = config.recording->string();
+  const auto take = [&](const synthesis::DropTruth& drop) {
+    result.truth.insert(result.truth.end(), drop.impacts.begin(), drop.impacts.end());
+    result.others.insert(result.others.end(), drop.others.begin(), drop.others.end());
+  };
+  result.sound_s = synthesis::synthesize(synthesis::drops_of(loop.rough.impacts), config.synthesis, *config.recording,
+                                         true, take, progress("synthesize", "s of sound"))
+                       .duration_s;
+  result.onsets = std::move(
+      detection::detect({*config.recording}, {}, config.n_threads, progress("detect", "s of sound")).front().onsets);
+  loop.rough.recordings.push_back(std::move(result));
   score(loop.rough);
+}
+
+Onsets true_onsets_of(const std::vector<RecordingResult>& recordings) {
+  Onsets all;
+  for (const RecordingResult& r : recordings) {
+    const Onsets truth = synthesis::onsets_of_truth(r.truth, r.recording);
+    all.insert(all.end(), truth.begin(), truth.end());
+  }
+  return all;
 }
 
 /// How samples are made of the onsets of this experiment: its gravity, its ball.
@@ -116,38 +198,29 @@ fit::BudgetConfig budget_config_of(const sim::SimulationConfig& simulation) {
 }
 
 void fit_everything(LoopResult& loop, const LoopConfig& config, const StageProgress& progress) {
-  const auto samples_of = [&](const Onsets& onsets) {
-    return fit::restitution_samples(onsets, restitution_config_of(loop.simulation)).samples;
-  };
   fit::FitConfig fit_config;
-  fit_config.law.node_speeds_mps = config.node_speeds_mps;
+  fit_config.law.node_speeds_mps.assign(kNodeSpeeds_mps.begin(), kNodeSpeeds_mps.end());
   fit_config.law.seed = loop.simulation.seed;
   fit_config.budget = budget_config_of(loop.simulation);
   fit_config.compare_recordings = false;  // each drop is one, all of the same ball
-  const auto fit = [&](const RestitutionSamples& samples, fit::FitResult& result, bool memory = false) {
+  const auto fit = [&](RestitutionSamples of, RestitutionSamples& samples, fit::FitResult& result, bool memory) {
     fit::FitConfig this_config = fit_config;
     if (memory) this_config.memory = fit::UseMemory::where_long;
+    samples = std::move(of);
     result = fit::fit_all(samples, this_config);
   };
-  std::vector<std::function<void()>> fits{[&] {
-                                            loop.samples_sound = samples_of(onsets_of(loop.rough.recordings));
-                                            fit(loop.samples_sound, loop.sound, config.with_memory);
-                                          },
-                                          [&] {
-                                            loop.samples_true = samples_of(true_onsets_of(loop.rough.recordings));
-                                            fit(loop.samples_true, loop.true_times, config.with_memory);
-                                          }};
+  const auto fit_onsets = [&](const Onsets& onsets, RestitutionSamples& samples, fit::FitResult& result, bool memory) {
+    fit(fit::restitution_samples(onsets, restitution_config_of(loop.simulation)).samples, samples, result, memory);
+  };
+  const auto &rough = loop.rough.recordings, &smooth = loop.smooth.recordings;
+  std::vector<std::function<void()>> fits{
+      [&] { fit_onsets(onsets_of(rough), loop.samples_sound, loop.sound, config.with_memory); },
+      [&] { fit_onsets(true_onsets_of(rough), loop.samples_true, loop.true_times, config.with_memory); }};
   if (config.with_direct)
-    fits.emplace_back([&] {
-      loop.samples_direct = direct_samples(loop.rough.impacts);
-      fit(loop.samples_direct, loop.direct);
-    });
-  if (!loop.smooth.recordings.empty())
-    fits.emplace_back([&] {
-      loop.samples_smooth = samples_of(onsets_of(loop.smooth.recordings));
-      fit(loop.samples_smooth, loop.smooth_sound);
-    });
-  if (const ProgressCallback report = callback(progress, "fit", "fits")) report(0.0, static_cast<double>(fits.size()));
+    fits.emplace_back([&] { fit(direct_samples(loop.rough.impacts), loop.samples_direct, loop.direct, false); });
+  if (!smooth.empty())
+    fits.emplace_back([&] { fit_onsets(onsets_of(smooth), loop.samples_smooth, loop.smooth_sound, false); });
+  if (const ProgressCallback report = progress("fit", "fits")) report(0.0, static_cast<double>(fits.size()));
   parallel_for(fits.size(), config.n_threads, [&](std::size_t k) { fits[k](); });
 }
 
@@ -173,6 +246,24 @@ LoopResult run_loop(const LoopConfig& config, const StageProgress& progress) {
   };
   parallel_for(2, config.n_threads, [&](std::size_t k) { k == 0 ? reservoir() : theory(); });
   return loop;
+}
+
+Onsets onsets_of(const std::vector<RecordingResult>& recordings) {
+  Onsets all;
+  for (const RecordingResult& r : recordings) all.insert(all.end(), r.onsets.begin(), r.onsets.end());
+  return all;
+}
+
+Table truth_table_of(const std::vector<RecordingResult>& recordings) {
+  std::vector<synthesis::TrueImpact> all;
+  std::vector<std::string> names;
+  for (const RecordingResult& r : recordings) {
+    all.insert(all.end(), r.truth.begin(), r.truth.end());
+    names.insert(names.end(), r.truth.size(), r.recording);
+  }
+  Table table = synthesis::truth_table(all, "");
+  table.columns.front().values = std::move(names);
+  return table;
 }
 
 double sound_s(const LoopResult& loop) {

@@ -155,15 +155,10 @@ std::vector<double> beyond_contact_law(const std::vector<double>& errors, const 
 }
 
 /// True times of each drop that follow each other, in order of time.
-std::vector<std::vector<std::size_t>> drops_of(const Onsets& truth) {
+std::map<std::int64_t, std::vector<std::size_t>> drops_of(const Onsets& truth) {
   std::map<std::int64_t, std::vector<std::size_t>> drops;
-  for (std::size_t k = 0; k < truth.size(); ++k) drops[truth[k].drop].push_back(k);
-  std::vector<std::vector<std::size_t>> all;
-  for (auto& [drop, impacts] : drops) {
-    std::sort(impacts.begin(), impacts.end(), [&](auto a, auto b) { return truth[a].t_s < truth[b].t_s; });
-    all.push_back(std::move(impacts));
-  }
-  return all;
+  for (const auto& [t_s, k] : in_order(truth)) drops[truth[k].drop].push_back(k);
+  return drops;
 }
 
 /// @param error_s  of each true time that was found, less what is no error of an interval
@@ -171,7 +166,7 @@ void score_neighbours(const Onsets& truth, const Onsets& marked, const std::vect
                       DetectorScore& score) {
   const auto& matches = score.match;
   std::vector<double> eps_errors;
-  for (const std::vector<std::size_t>& drop : drops_of(truth)) {
+  for (const auto& [number, drop] : drops_of(truth)) {
     for (std::size_t k = 0; k + 1 < drop.size(); ++k) {
       const std::size_t a = drop[k], b = drop[k + 1];
       if (!matches[a] || !matches[b]) continue;

@@ -17,24 +17,19 @@ std::optional<double> constant_of(const RestitutionLaw& law, std::size_t i) {
   return series->a[i];
 }
 
-std::optional<fit::Estimate> eps_with_memory(const fit::FitResult& fit, double v_mps) {
-  if (!fit.memory) return std::nullopt;
-  for (const fit::NodeEstimate& node : fit.memory->nodes)
-    if (node.v_mps == v_mps) return node.eps;
+std::optional<fit::Estimate> eps_of(const std::vector<fit::NodeEstimate>& nodes, double v_mps) {
+  for (const fit::NodeEstimate& node : nodes)
+    if (same_speed(node.v_mps, v_mps)) return node.eps;
   return std::nullopt;
 }
 
-SlopePair pair_of(const fit::Estimate& simulation, const fit::Estimate& sound) {
-  return {simulation, sound, sound.value / simulation.value};
+std::optional<fit::Estimate> eps_with_memory(const fit::FitResult& fit, double v_mps) {
+  return fit.memory ? eps_of(fit.memory->nodes, v_mps) : std::nullopt;
 }
 
 }  // namespace
 
-std::optional<fit::Estimate> eps_at(const fit::FitResult& fit, double v_mps) {
-  for (const fit::NodeEstimate& node : fit.law.nodes)
-    if (same_speed(node.v_mps, v_mps)) return node.eps;
-  return std::nullopt;
-}
+std::optional<fit::Estimate> eps_at(const fit::FitResult& fit, double v_mps) { return eps_of(fit.law.nodes, v_mps); }
 
 const fit::HistogramFit* window_at(const fit::FitResult& fit, double v_mps) {
   for (const fit::HistogramFit& h : fit.histograms)
@@ -88,8 +83,11 @@ std::vector<SlopeWindow> slopes_of(const LoopResult& loop) {
   for (std::size_t k = 0; k < n; ++k) {
     const fit::HistogramFit &direct = loop.direct.histograms[k], &sound = loop.sound.histograms[k];
     if (!direct.slope_rising || !sound.slope_rising || !direct.slope_falling || !sound.slope_falling) continue;
-    slopes.push_back({sound.v_mps, direct.n, sound.n, pair_of(*direct.slope_rising, *sound.slope_rising),
-                      pair_of(*direct.slope_falling, *sound.slope_falling)});
+    slopes.push_back({sound.v_mps,
+                      direct.n,
+                      sound.n,
+                      {*direct.slope_rising, *sound.slope_rising},
+                      {*direct.slope_falling, *sound.slope_falling}});
   }
   return slopes;
 }

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bouncelab/loop/theory.hpp"
 
-#include <algorithm>
 #include <cmath>
-#include <compare>
+#include <map>
 #include <tuple>
+#include <utility>
 
 namespace bouncelab::loop {
 namespace {
@@ -80,31 +80,6 @@ fit::ImpactChain chain_of(const Stretch& stretch, const Onsets& onsets,
   return chain;
 }
 
-/// Rows of a table of impacts by drop and impact.
-class RowsOfImpacts {
- public:
-  explicit RowsOfImpacts(const Impacts& impacts) {
-    rows_.reserve(impacts.rows.size());
-    for (std::size_t k = 0; k < impacts.rows.size(); ++k)
-      rows_.push_back({impacts.rows[k].drop, impacts.rows[k].impact, k});
-    if (!std::is_sorted(rows_.begin(), rows_.end())) std::sort(rows_.begin(), rows_.end());
-  }
-  std::optional<std::size_t> find(std::int64_t drop, std::int64_t impact) const {
-    const auto at = std::lower_bound(rows_.begin(), rows_.end(), Row{drop, impact, 0});
-    if (at == rows_.end() || at->drop != drop || at->impact != impact) return std::nullopt;
-    return at->row;
-  }
-
- private:
-  struct Row {
-    std::int64_t drop, impact;
-    std::size_t row;
-    // NOLINTNEXTLINE(modernize-use-nullptr): found in the comparison that the compiler makes, where there is no pointer
-    friend auto operator<=>(const Row&, const Row&) = default;
-  };
-  std::vector<Row> rows_;
-};
-
 double root_mean_square(const std::vector<ReservoirOfDrop>& drops, const auto& of) {
   double sum = 0.0;
   for (const ReservoirOfDrop& drop : drops) sum += of(drop) * of(drop);
@@ -144,21 +119,23 @@ std::optional<ReservoirCheck> reservoir_check(const Impacts& simulated, const st
   ReservoirCheck check;
   const std::optional<fit::LawWithErrors> law = law_of(fitted, check.with_memory);
   if (!law) return std::nullopt;
-  const RowsOfImpacts row_of(simulated);
-
+  std::map<std::pair<std::int64_t, std::int64_t>, const sim::Reservoir*> reservoir_after;  // drop and impact
+  for (std::size_t k = 0; k < simulated.rows.size(); ++k)
+    reservoir_after[{simulated.rows[k].drop, simulated.rows[k].impact}] = &reservoirs[k];
   const auto sample_of = samples_by_onset(onsets, samples);
   std::vector<fit::ImpactChain> chains;
   double spin = 0.0, total = 0.0;
   for (const Stretch& stretch : longest_stretches(truth, match, sample_of)) {
     // of the first impact of all there is no sample: an impact before the stretch exists
     const Onset &first = truth[stretch.begin], &last = truth[stretch.end - 1];
-    const auto before = row_of.find(first.drop, first.impact - 1), after = row_of.find(last.drop, last.impact);
-    if (!before || !after) continue;
-    const sim::Reservoir &begin = reservoirs[*before], &end = reservoirs[*after];
-    check.drops.push_back({first.drop, first.impact, last.impact, end.total_m2ps2() - begin.total_m2ps2(), {}});
+    const auto begin = reservoir_after.find({first.drop, first.impact - 1}),
+               end = reservoir_after.find({last.drop, last.impact});
+    if (begin == reservoir_after.end() || end == reservoir_after.end()) continue;
+    const double total_m2ps2 = end->second->total_m2ps2();
+    check.drops.push_back({first.drop, first.impact, last.impact, total_m2ps2 - begin->second->total_m2ps2(), {}});
     chains.push_back(chain_of(stretch, onsets, match, sample_of));
-    spin += end.spin_m2ps2;
-    total += end.total_m2ps2();
+    spin += end->second->spin_m2ps2;
+    total += total_m2ps2;
   }
   if (check.drops.size() < kFewestDrops || !(total > 0.0)) return std::nullopt;
   const std::vector<fit::ReservoirGain> gains = fit::reservoir_gains(chains, *law, gravity_mps2);

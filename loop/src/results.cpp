@@ -99,7 +99,9 @@ Description members_of(const LoopScore*) {
 }
 
 Value as_value(const SlopePair& pair) {
-  return Object{{"simulation", value_of(pair.simulation)}, {"sound", value_of(pair.sound)}, {"ratio", pair.ratio}};
+  return Object{{"simulation", value_of(pair.simulation)},
+                {"sound", value_of(pair.sound)},
+                {"ratio", pair.sound.value / pair.simulation.value}};
 }
 
 Description members_of(const SlopeWindow*) {
@@ -139,10 +141,7 @@ Description members_of(const ScatterTheory*) {
       member<&T::slopes>("slopes", "`[{v_mps, n, rising, falling}]` over the n simulated impacts of each window"),
       member<&T::densities>("densities", "`[{v_mps, eps, density, n_simulated, simulated_counts}]`"),
       member<&T::n_transforms>("n_transforms", "Probability transforms of the simulated impacts"),
-      computed(
-          "transform_counts",
-          [](const T& t) { return std::vector<std::size_t>(t.transform_counts.begin(), t.transform_counts.end()); },
-          "By twentieths")};
+      member<&T::transform_counts>("transform_counts", "By twentieths")};
   return all;
 }
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
+#include <type_traits>
 
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/text.hpp"
@@ -24,10 +24,10 @@ std::string detection_failure(const Agreement& agreement) {
 
 constexpr std::array kSides{&fit::HistogramFit::slope_rising, &fit::HistogramFit::slope_falling};
 
-std::string failure_of(const LoopResult& loop, const std::vector<double>& node_speeds_mps) {
+std::string failure_of(const LoopResult& loop) {
   if (std::string failure = detection_failure(loop.rough.score.agreement[kJitterTolerance]); !failure.empty())
     return failure;
-  for (const double v : node_speeds_mps) {
+  for (const double v : kNodeSpeeds_mps) {
     const std::optional<fit::Estimate> sound = eps_at(loop.sound, v), exact = eps_at(loop.true_times, v);
     if (!sound || !exact || !exact->se) return "no law";
     if (std::abs(sound->value - exact->value) > *exact->se)
@@ -63,7 +63,7 @@ std::size_t n_complete(const LoopResult& loop) {
   return static_cast<std::size_t>(std::count(n_impacts.begin(), n_impacts.end(), loop.simulation.n_impacts_max));
 }
 
-std::vector<SweepValue> values_of(const LoopResult& loop, const std::vector<double>& node_speeds_mps) {
+std::vector<SweepValue> values_of(const LoopResult& loop) {
   const DetectorScore& score = loop.rough.score;
   const Agreement& agreement = score.agreement[kJitterTolerance];
   Values values;
@@ -74,7 +74,7 @@ std::vector<SweepValue> values_of(const LoopResult& loop, const std::vector<doub
   values.add("within_drops_s", score.within_drops_s);
   values.add("pull", score.pull());
   values.add_count("n_samples", loop.sound.n_used);
-  for (const double v : node_speeds_mps) {
+  for (const double v : kNodeSpeeds_mps) {
     const std::string name = formatted("eps_%g", v);
     values.add(name + "_truth", restitution(loop.simulation.law, v));
     for (const auto& [suffix, fit] : {std::pair{"_true_times", &loop.true_times}, {"_sound", &loop.sound}})
@@ -121,29 +121,26 @@ std::string text_of(const Settings& settings) {
   return text;
 }
 
-SweepPoint sweep_point(Settings settings, const LoopResult& loop, const std::vector<double>& node_speeds_mps) {
-  return {std::move(settings), values_of(loop, node_speeds_mps), failure_of(loop, node_speeds_mps)};
+SweepPoint sweep_point(Settings settings, const LoopResult& loop) {
+  return {std::move(settings), values_of(loop), failure_of(loop)};
 }
 
 Table to_table(const std::vector<SweepPoint>& points) {
   Table table;
   const SweepPoint& first = points.front();
+  const auto add = [&](const std::string& name, const auto& of) {
+    std::vector<std::remove_cvref_t<decltype(of(first))>> cells;
+    for (const SweepPoint& point : points) cells.push_back(of(point));
+    table.columns.push_back({name, std::move(cells)});
+  };
   for (std::size_t k = 0; k < first.settings.size(); ++k) {
     std::string name = first.settings[k].first;
     std::replace(name.begin(), name.end(), '-', '_');
-    std::vector<std::string> cells;
-    for (const SweepPoint& point : points) cells.push_back(point.settings[k].second);
-    table.columns.push_back({std::move(name), std::move(cells)});
+    add(name, [k](const SweepPoint& point) { return point.settings[k].second; });
   }
-  for (std::size_t k = 0; k < first.values.size(); ++k) {
-    std::vector<double> cells;
-    for (const SweepPoint& point : points)
-      cells.push_back(point.values[k].value.value_or(std::numeric_limits<double>::quiet_NaN()));
-    table.columns.push_back({first.values[k].name, std::move(cells)});
-  }
-  std::vector<std::string> failures;
-  for (const SweepPoint& point : points) failures.push_back(point.failure);
-  table.columns.push_back({"trouble", std::move(failures)});
+  for (std::size_t k = 0; k < first.values.size(); ++k)
+    add(first.values[k].name, [k](const SweepPoint& point) { return point.values[k].value.value_or(std::nan("")); });
+  add("trouble", [](const SweepPoint& point) { return point.failure; });
   return table;
 }
 

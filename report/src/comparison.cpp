@@ -68,35 +68,28 @@ std::string points_json(const BetweenRecordings& between, const std::vector<Camp
   };
   std::stable_sort(used.begin(), used.end(), [&](std::size_t a, std::size_t b) { return time(a) < time(b); });
   const std::size_t step = most > 0 ? (used.size() + most - 1) / most : 1;
-  std::vector<std::string> names, plates;
-  std::vector<double> times, eps, se, offset, standardised;
-  std::vector<std::int64_t> n_samples, outlier;
-  const auto rounded = [](double x, double steps) { return std::round(x * steps) / steps; };  // far below any error
-  for (std::size_t j = 0; j < used.size(); ++j) {
-    const std::size_t k = used[j];
-    const RecordingRow& row = between.rows[k];
-    if (!row.is_outlier && j % step != 0) continue;
-    const CampaignRecording& of = recordings[k];
-    names.push_back(of.summary.recording);
-    plates.push_back(of.origin.plate);
-    times.push_back(!by_date || of.origin.date ? time(k) : std::nan(""));
-    n_samples.push_back(static_cast<std::int64_t>(of.summary.n));
-    eps.push_back(rounded(row.eps, 1e8));
-    se.push_back(rounded(row.se, 1e8));
-    offset.push_back(rounded(row.offset, 1e8));
-    standardised.push_back(rounded(row.standardised, 1e3));
-    outlier.push_back(row.is_outlier ? 1 : 0);
-  }
-  return json_text(Object{{"n", value_of(used.size())},
-                          {"recording", names},
-                          {"plate", plates},
-                          {"time", times},
-                          {"n_samples", n_samples},
-                          {"eps", eps},
-                          {"se", se},
-                          {"offset", offset},
-                          {"standardised", standardised},
-                          {"outlier", outlier}});
+  std::vector<std::size_t> shown;
+  for (std::size_t j = 0; j < used.size(); ++j)
+    if (between.rows[used[j]].is_outlier || j % step == 0) shown.push_back(used[j]);
+  const auto column = [&](const auto& of) {
+    std::vector<std::remove_cvref_t<decltype(of(0))>> cells;
+    for (const std::size_t k : shown) cells.push_back(of(k));
+    return cells;
+  };
+  const auto rounded = [&](double RecordingRow::*value, double steps) {  // far below any error
+    return column([&](std::size_t k) { return std::round(between.rows[k].*value * steps) / steps; });
+  };
+  return json_text(Object{
+      {"n", value_of(used.size())},
+      {"recording", column([&](std::size_t k) { return recordings[k].summary.recording; })},
+      {"plate", column([&](std::size_t k) { return recordings[k].origin.plate; })},
+      {"time", column([&](std::size_t k) { return !by_date || recordings[k].origin.date ? time(k) : std::nan(""); })},
+      {"n_samples", column([&](std::size_t k) { return static_cast<std::int64_t>(recordings[k].summary.n); })},
+      {"eps", rounded(&RecordingRow::eps, 1e8)},
+      {"se", rounded(&RecordingRow::se, 1e8)},
+      {"offset", rounded(&RecordingRow::offset, 1e8)},
+      {"standardised", rounded(&RecordingRow::standardised, 1e3)},
+      {"outlier", column([&](std::size_t k) { return std::int64_t{between.rows[k].is_outlier}; })}});
 }
 
 namespace {

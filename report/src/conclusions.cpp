@@ -18,14 +18,9 @@ std::vector<const HistogramFit*> fitted(const FitResult& result) {
   return windows;
 }
 
-/// A conclusion that no data were seen for yet.
-Conclusion open_claim(const char* claim, const char* measure, const char* criterion) {
-  return {claim, measure, {}, {}, criterion, false, ""};
-}
-
 Conclusion not_normal(const FitResult& rough) {
-  Conclusion c = open_claim("p(ε) at fixed speed is not normal",
-                            "smallest AIC(normal) − AIC(two exponentials) of the windows", "above 10 in every window");
+  Conclusion c{"p(ε) at fixed speed is not normal", "smallest AIC(normal) − AIC(two exponentials) of the windows",
+               "above 10 in every window"};
   double largest_p = 0.0;
   for (const HistogramFit* h : fitted(rough)) {
     if (!h->normal) continue;
@@ -39,9 +34,9 @@ Conclusion not_normal(const FitResult& rough) {
 }
 
 Conclusion two_slopes(const FitResult& rough) {
-  Conclusion c = open_claim("its two slopes differ, the low side reaching further",
-                            "falling over rising slope, in the window where they differ least",
-                            "95% interval above 1 in every window");
+  Conclusion c{"its two slopes differ, the low side reaching further",
+               "falling over rising slope, in the window where they differ least",
+               "95% interval above 1 in every window"};
   for (const HistogramFit* h : fitted(rough)) {
     if (!h->slope_ratio || !h->slope_ratio->ci95) continue;
     if (c.ci95 && h->slope_ratio->ci95->lo >= c.ci95->lo) continue;
@@ -55,10 +50,10 @@ Conclusion two_slopes(const FitResult& rough) {
 }
 
 Conclusion peaks_follow_the_law(const FitResult& rough, const std::optional<RestitutionLaw>& truth) {
-  Conclusion c = open_claim("its peaks follow ε(v)",
-                            truth ? "largest |peak − ε(v) that went in| over its standard error"
-                                  : "largest |peak − fitted ε(v)| over its standard error",
-                            "below 3 in every window");
+  Conclusion c{"its peaks follow ε(v)",
+               truth ? "largest |peak − ε(v) that went in| over its standard error"
+                     : "largest |peak − fitted ε(v)| over its standard error",
+               "below 3 in every window"};
   const std::optional<RestitutionLaw>& law = truth ? truth : rough.law.law;
   if (!law) return c;
   double square = 0.0, n = 0.0;
@@ -76,9 +71,8 @@ Conclusion peaks_follow_the_law(const FitResult& rough, const std::optional<Rest
 }
 
 Conclusion asperities_scatter(const FitResult& rough, const FitResult& smooth) {
-  Conclusion c = open_claim("the scatter comes from the asperities",
-                            "spread of the smooth ball over that of the rough one, where it is largest",
-                            "below 0.1 at every speed");
+  Conclusion c{"the scatter comes from the asperities",
+               "spread of the smooth ball over that of the rough one, where it is largest", "below 0.1 at every speed"};
   for (const BudgetRow& row : rough.budget.rows) {
     const auto same = std::min_element(
         smooth.budget.rows.begin(), smooth.budget.rows.end(),
@@ -94,7 +88,7 @@ Conclusion asperities_scatter(const FitResult& rough, const FitResult& smooth) {
 }
 
 Conclusion scatter_grows(const FitResult& rough) {
-  Conclusion c = open_claim("the scatter grows as the speed falls", "k of spread ∝ v^k", "95% interval below 0");
+  Conclusion c{"the scatter grows as the speed falls", "k of spread ∝ v^k", "95% interval below 0"};
   const std::optional<Estimate>& k = rough.budget.width_exponent;
   if (!k) return c;
   c.value = k->value;

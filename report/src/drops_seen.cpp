@@ -74,13 +74,8 @@ using Name = std::pair<std::string, std::int64_t>;  ///< recording, number of th
 
 std::map<Name, Drop> by_drop(const RestitutionSamples& samples) {
   std::map<Name, Drop> drops;
-  auto present = drops.end();  // successive samples are mostly of one drop
-  for (const RestitutionSample& s : samples) {
-    if (!is_sound(s)) continue;
-    if (present == drops.end() || present->first.second != s.drop || present->first.first != s.recording)
-      present = drops.try_emplace({s.recording, s.drop}).first;
-    present->second.push_back(&s);
-  }
+  for (const RestitutionSample& s : samples)
+    if (is_sound(s)) drops[{s.recording, s.drop}].push_back(&s);
   for (auto& [name, drop] : drops)
     std::stable_sort(drop.begin(), drop.end(), [](const auto* a, const auto* b) { return a->impact < b->impact; });
   return drops;

@@ -204,11 +204,6 @@ std::string in_dem(const FitResult& r) {
 
 std::string speed_text(double v_mps) { return formatted("%.2g m/s", v_mps); }
 
-/// "0.0069": two digits, without a power of ten.
-std::string size_text(double x) {
-  return formatted("%.*f", std::clamp(1 - static_cast<int>(std::floor(log10(std::max(x, 1e-9)))), 1, 9), x);
-}
-
 /// The change of eps between the least and the greatest speed; seen where the answer states one.
 Cause of_speed(const FitResult& result, const PlainAnswer& answer) {
   const auto& step = result.curve->step;
@@ -230,20 +225,20 @@ Cause of_speed(const FitResult& result, const PlainAnswer& answer) {
   if (!cause.is_seen)
     cause.sentence = "No effect of the speed is seen" + between + ".";
   else if (step)
-    cause.sentence = "the surface that the ball meets: ε steps by " + size_text(std::abs(step->change.value)) + " at " +
-                     speed_text(step->v_mps) + ", and goes from " + size_text(slow.y) + " to " + size_text(fast.y) +
-                     between + ".";
+    cause.sentence = "the surface that the ball meets: ε steps by " + two_digits(std::abs(step->change.value)) +
+                     " at " + speed_text(step->v_mps) + ", and goes from " + two_digits(slow.y) + " to " +
+                     two_digits(fast.y) + between + ".";
   else if (elsewhere.size() == 2 && at_fast * at_slow > 0.0) {
     cause.size = std::max(std::abs(at_fast), std::abs(at_slow));
     cause.sentence = "the speed: from its value at " + speed_text(answer.at->v_mps) +
-                     (at_fast < 0.0 ? " ε falls by " : " ε rises by ") + size_text(std::abs(at_slow)) + " towards " +
-                     speed_text(slow.x) + " and by " + size_text(std::abs(at_fast)) + " towards " + speed_text(fast.x) +
-                     ".";
+                     (at_fast < 0.0 ? " ε falls by " : " ε rises by ") + two_digits(std::abs(at_slow)) + " towards " +
+                     speed_text(slow.x) + " and by " + two_digits(std::abs(at_fast)) + " towards " +
+                     speed_text(fast.x) + ".";
   } else if (change < 0.0)
     cause.sentence = "the speed: a faster ball is pressed in more and loses more, ε falls by " +
-                     size_text(*cause.size) + between + ".";
+                     two_digits(*cause.size) + between + ".";
   else
-    cause.sentence = "the speed: ε rises by " + size_text(*cause.size) + between + ".";
+    cause.sentence = "the speed: ε rises by " + two_digits(*cause.size) + between + ".";
   return cause;
 }
 
@@ -265,8 +260,8 @@ Cause of_air(const FitResult& result, const PlainAnswer& answer, const Restituti
   if (!ball_is_named(samples)) {
     cause.sentence = "The effect of the air is not known";
     if (kappa_per_m.ci95)
-      cause.sentence += " (" + size_text(by_kappa * kappa_per_m.ci95->lo) + " to " +
-                        size_text(by_kappa * kappa_per_m.ci95->hi) + " in ε)";
+      cause.sentence += " (" + two_digits(by_kappa * kappa_per_m.ci95->lo) + " to " +
+                        two_digits(by_kappa * kappa_per_m.ci95->hi) + " in ε)";
     cause.sentence += ": name the ball.";
     return cause;
   }
@@ -275,7 +270,7 @@ Cause of_air(const FitResult& result, const PlainAnswer& answer, const Restituti
   cause.sentence =
       std::string("the air, which slows fast flights most: ") +
       (samples.front().conditions.of_heights ? "the heights make" : "the time from bounce to bounce makes") +
-      " ε look " + size_text(*cause.size) + " smaller at " + speed_text(fast) + " than at " + speed_text(slow) +
+      " ε look " + two_digits(*cause.size) + " smaller at " + speed_text(fast) + " than at " + speed_text(slow) +
       " (taken out of the values here).";
   return cause;
 }
@@ -298,7 +293,7 @@ Cause of_roughness(const FitResult& result, const RestitutionSamples& samples) {
   cause.sentence = cause.is_seen
                        ? "the roughness of ball and floor: each bounce meets another spot, which turns some of "
                          "the motion into spin or back; two thirds of the bounces lie in a band of " +
-                             size_text(*cause.size) + ", wider than " + errors + " make it."
+                             two_digits(*cause.size) + ", wider than " + errors + " make it."
                        : "No roughness of ball or floor is seen: the " + errors + " explain the scatter of ε.";
   return cause;
 }

@@ -54,9 +54,6 @@ std::string speed(double v_mps) { return formatted("%.3g m/s", v_mps); }
 
 int decimals_of_two_digits(double x) { return x > 0.0 ? std::max(0, 1 - static_cast<int>(std::floor(log10(x)))) : 0; }
 
-/// Two digits, without a power of ten.
-std::string two_digits(double x) { return rounded(x, decimals_of_two_digits(x)); }
-
 /// A unit that suits a length, and how many of it make a metre.
 std::pair<const char*, double> unit_of(double length_m) {
   if (length_m < 0.01) return {" mm", 1e3};
@@ -294,6 +291,8 @@ std::string of_missing(const FitResult& result, const RestitutionSamples& sample
 std::string asked_rebound(const ReboundRule& rule) {
   return formatted("%.4g to %.4g cm", 100.0 * rule.least_m, 100.0 * rule.most_m);
 }
+
+std::string two_digits(double x) { return rounded(x, decimals_of_two_digits(x)); }
 
 const char* measured_in_words(const SampleConditions& conditions) {
   return conditions.of_heights ? "heights" : conditions.of_flights() ? "times" : "speeds";

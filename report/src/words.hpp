@@ -12,6 +12,8 @@ namespace bouncelab::report {
 
 /// "0.947 to 0.951": the 95 % interval, which must be there.
 std::string interval_in_words(const fit::Estimate& e);
+/// "0.0069": two digits, without a power of ten.
+std::string two_digits(double x);
 /// What was measured: "times", "heights" or "speeds".
 const char* measured_in_words(const SampleConditions& conditions);
 PlainAnswer plain_answer(const fit::FitResult& result, const RestitutionSamples& samples);

@@ -105,15 +105,16 @@ void expect_taken_or_refused(const cli::Command& command, const std::string& nam
 
 TEST(NastyValues, OfEveryOptionAreInRangeOrRefusedInOneLine) {
   std::size_t n_options = 0;
-  for (const cli::CommandName& named : cli::all_commands()) {
+  const std::vector<cli::Command> commands = cli::all_commands();
+  for (std::size_t k = 0; k < commands.size(); ++k) {
     cli::CommonOptions common;
-    for (const cli::Option& option : options_of(all_sections(named.make(), common))) {
+    for (const cli::Option& option : options_of(all_sections(commands[k], common))) {
       if (option.member->is_positional) continue;
       ++n_options;
       // a command of its own for each value: it holds what was set
       for (const std::string& value : nasty_values())
         if (!value.empty() || option.member->kind != Member::Kind::flag)
-          expect_taken_or_refused(named.make(), option_name(*option.member), value);
+          expect_taken_or_refused(cli::all_commands()[k], option_name(*option.member), value);
     }
   }
   EXPECT_GT(n_options, 190U);

@@ -11,10 +11,10 @@ using Usage = ProgramTest;
 
 TEST(Help, OfEveryCommandIsLegibleAndHasAnExample) {
   const std::string all = cli::help_of_all();
-  for (const cli::CommandName& named : cli::all_commands()) {
+  for (const cli::Command& named : cli::all_commands()) {
     SCOPED_TRACE(named.name);
     EXPECT_THAT(all, testing::HasSubstr("\n  " + named.name + " "));
-    const std::string help = cli::help_of(named.make(), true);
+    const std::string help = cli::help_of(named, true);
     EXPECT_THAT(help, testing::AllOf(testing::HasSubstr("Example"), testing::HasSubstr("--seed"),
                                      testing::Not(testing::HasSubstr("->{")), testing::Not(testing::HasSubstr("=[]"))));
     std::istringstream lines(help);

@@ -16,7 +16,8 @@ namespace {
 LoopResult loop_with(std::size_t n_found, std::size_t n_invented, double eps, double slope) {
   const auto fit = [](double eps_value, double slope_value) {
     fit::FitResult result;
-    result.law.nodes = {{0.6, fit::normal_estimate(eps_value, 1e-3)}};
+    for (const double v : kNodeSpeeds_mps)
+      result.law.nodes.push_back({v, fit::normal_estimate(v == 0.6 ? eps_value : 0.97, 1e-3)});
     fit::HistogramFit window;
     window.v_mps = 0.6;
     window.slope_rising = window.slope_falling = fit::normal_estimate(slope_value, 10.0);
@@ -30,7 +31,7 @@ LoopResult loop_with(std::size_t n_found, std::size_t n_invented, double eps, do
   return loop;
 }
 
-std::string failure(const LoopResult& loop) { return sweep_point({}, loop, {0.6}).failure; }
+std::string failure(const LoopResult& loop) { return sweep_point({}, loop).failure; }
 
 TEST(Sweeps, RunThroughEveryCombinationTheLastAxisFastest) {
   const std::vector<SweepAxis> axes{{"radius-law", {"a", "b"}}, {"snr-db", {"10", "20", "30"}}};
@@ -77,15 +78,15 @@ TEST(Sweeps, CountTheDropsThatMadeAllTheirImpactsAndTestTheExponentials) {
   window.v_mps = 0.6;
   window.pearson = {.p_value = 0.25};
   loop.direct.histograms = {window};
-  const Table table = to_table({sweep_point({}, loop, {0.6})});
+  const Table table = to_table({sweep_point({}, loop)});
   EXPECT_EQ((*table.reals("share_complete"))[0], 0.5);
   EXPECT_EQ((*table.reals("p_exponentials_0.6_simulation"))[0], 0.25);
   EXPECT_TRUE(std::isnan((*table.reals("p_exponentials_0.3_simulation"))[0]));  // no such window
 }
 
 TEST(Sweeps, AsATableHaveAColumnForEachSettingAndNumber) {
-  const SweepPoint found = sweep_point({{"snr-db", "30"}}, loop_with(100, 0, 0.97, 500), {0.6});
-  const SweepPoint lost = sweep_point({{"snr-db", "0"}}, loop_with(0, 0, 0.97, 500), {0.6});
+  const SweepPoint found = sweep_point({{"snr-db", "30"}}, loop_with(100, 0, 0.97, 500));
+  const SweepPoint lost = sweep_point({{"snr-db", "0"}}, loop_with(0, 0, 0.97, 500));
   const Table table = to_table(std::vector<SweepPoint>{found, lost});
   EXPECT_EQ(*table.texts("snr_db"), (std::vector<std::string>{"30", "0"}));
   EXPECT_EQ((*table.reals("recall_1ms"))[0], 1.0);

@@ -74,7 +74,7 @@ std::string unknown_command(const std::string& typed) {
   if (typed == "calibrate")
     return "'calibrate' is no command any more; samples/calibration.py of the source does it by the Python module";
   std::vector<std::string> names;
-  for (const CommandName& command : all_commands()) names.push_back(command.name);
+  for (const Command& command : all_commands()) names.push_back(command.name);
   const std::string nearest = nearest_name(typed, names);
   return "unknown command '" + typed + "'" +
          (nearest.empty() ? "; see bouncelab --help" : "; did you mean '" + nearest + "'?");
@@ -165,9 +165,8 @@ int run_command(const Command& command, const std::vector<std::string>& typed, c
   call.command_line = line;
   const std::vector<Section> sections = all_sections(command, call.common);
   const CommandLine full = line_with_config(typed, command, all_commands());
-  call.arguments.assign(full.arguments.begin() + 1, full.arguments.end());
   try {
-    call.given = set_options(sections, call.arguments);
+    call.given = set_options(sections, {full.arguments.begin() + 1, full.arguments.end()});
   } catch (const WrongUsage& error) {
     const std::string name = "bouncelab " + command.name;
     std::string message = error.what();
@@ -176,6 +175,7 @@ int run_command(const Command& command, const std::vector<std::string>& typed, c
     throw WrongUsage(name + ": " + printable(message, kMessage_characters - 100) + "; see " + name + " --help");
   }
   json = call.common.json;
+  if (command.prepare) command.prepare(call.given);
   call.parameters = parameters_of(sections, call.given);
   for (const ConfigOption& option : full.from_file)
     if (option.is_axis) call.sweep.push_back({option.name, option.values});
@@ -193,7 +193,8 @@ int run(const std::vector<std::string>& line, bool& json) {
   const auto end = std::find(typed.begin(), typed.end(), "--");
   const auto asks_for = [&](const char* option) { return std::find(typed.begin(), end, option) != end; };
   if (is_command(typed)) {
-    const Command command = command_named(all_commands(), typed.front())->make();
+    const std::vector<Command> all = all_commands();
+    const Command& command = *command_named(all, typed.front());
     if (asks_for("--help") || asks_for("-h")) return print(help_of(command, false), kDone);
     if (asks_for("--help-all")) return print(help_of(command, true), kDone);
     return run_command(command, typed, line, json);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "stage_options/options.hpp"
 
-#include <array>
+#include <algorithm>
 #include <cmath>
 #include <iterator>
 #include <string_view>
@@ -43,11 +43,6 @@ sim::ContactModel contact_model(const SimulateOptions& options) {
   if (options.contact == "coulomb") return sim::CoulombContact{options.mu};
   if (options.contact == "stronge") return sim::StrongeContact{options.mu};
   return sim::PaperContact{options.beta};
-}
-
-template <std::size_t N>
-void copy(const std::vector<double>& from, std::array<double, N>& to) {
-  for (std::size_t k = 0; k < from.size() && k < N; ++k) to[k] = from[k];
 }
 
 }  // namespace
@@ -115,10 +110,10 @@ sim::SimulationConfig simulation_config(const SimulateOptions& options, std::uin
   if (options.contact_patch) config.patch_plate = plate_of(options.world).value_or(kGlass);
   config.drop_height_min_m = options.height_m.front();
   config.drop_height_max_m = options.height_m.back();
-  copy(options.plate_m, config.plate_size_m);
-  copy(options.start_m, config.start_position_m);
-  copy(options.velocity_mps, config.start_velocity_mps);
-  copy(options.spin_radps, config.start_spin_radps);
+  std::copy(options.plate_m.begin(), options.plate_m.end(), config.plate_size_m.begin());
+  std::copy(options.start_m.begin(), options.start_m.end(), config.start_position_m.begin());
+  std::copy(options.velocity_mps.begin(), options.velocity_mps.end(), config.start_velocity_mps.begin());
+  std::copy(options.spin_radps.begin(), options.spin_radps.end(), config.start_spin_radps.begin());
   validate(config);
   return config;
 }

@@ -36,13 +36,6 @@ inline std::optional<Material> plate_of(const BallChoice& choice) {
   return choice.plate.empty() ? std::nullopt : std::optional(plate_from_text(choice.plate));
 }
 
-/// The options of a stage of a run whose ball and plate are chosen for all of it.
-template <class StageOptions>
-StageOptions with_world(StageOptions options, const BallChoice& world) {
-  options.world = world;
-  return options;
-}
-
 /// All balls, materials and plates.
 Object catalogue();
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "stages/ball_of_files.hpp"
+#include "stages/stages.hpp"
 
 #include <algorithm>
 #include <filesystem>
@@ -17,27 +17,32 @@ namespace {
 
 /// The value of an option in the files' provenance; empty: none, or not known.
 /// @param by  the option by which a user may say what holds for all
-std::string common_parameter(const std::vector<std::string>& files, const std::string& option, const std::string& by) {
-  const auto of = [&](const std::string& file) { return parameter_in_provenance(file, option).value_or(""); };
+std::string common_parameter(const std::vector<fs::path>& files, const std::string& option, const std::string& by) {
+  const auto of = [&](const fs::path& file) { return parameter_in_provenance(file, option).value_or(""); };
   const auto in_words = [](const std::string& value) {
     return value.empty() ? "not known" : "'" + printable(value) + "'";
   };
   std::string first = of(files.front());
-  for (const std::string& file : files)
+  for (const fs::path& file : files)
     if (const std::string other = of(file);
         other != first && fs::exists(file))  // what is missing is said by its reader
-      throw InvalidArgument(printable(file) + ": its --" + option + " is " + in_words(other) + ", that of " +
-                            printable(files.front()) + " " + in_words(first) + "; name one with --" + by);
+      throw InvalidArgument(printable(file.string()) + ": its --" + option + " is " + in_words(other) + ", that of " +
+                            printable(files.front().string()) + " " + in_words(first) + "; name one with --" + by);
   return first;
+}
+
+[[noreturn]] void refuse_history(const fs::path& file, const std::string& option, const std::string& why) {
+  throw FileError(file.string(), "its --" + option + ", as its provenance (.meta.json) has it, cannot be taken: " +
+                                     why + "; say what it is with --" + option);
 }
 
 }  // namespace
 
-void keep_conditions_of(const std::vector<std::string>& files, Parameters& parameters) {
+void keep_conditions_of(const std::vector<fs::path>& files, Parameters& parameters) {
   for (const std::string option : {"ball", "plate", "asperities", "drag", "gravity"}) {
     const auto value = parameter_in_provenance(files.front(), option);
     if (!value) continue;
-    const bool is_of_all = std::all_of(files.begin(), files.end(), [&](const std::string& file) {
+    const bool is_of_all = std::all_of(files.begin(), files.end(), [&](const fs::path& file) {
       return file == files.front() || parameter_in_provenance(file, option) == value;
     });
     const bool is_given = std::any_of(parameters.begin(), parameters.end(),
@@ -46,16 +51,7 @@ void keep_conditions_of(const std::vector<std::string>& files, Parameters& param
   }
 }
 
-namespace {
-
-[[noreturn]] void refuse_history(const std::string& file, const std::string& option, const std::string& why) {
-  throw FileError(file, "its --" + option + ", as its provenance (.meta.json) has it, cannot be taken: " + why +
-                            "; say what it is with --" + option);
-}
-
-}  // namespace
-
-BallChoice with_provenance(BallChoice choice, const std::vector<std::string>& files) {
+BallChoice with_provenance(BallChoice choice, const std::vector<fs::path>& files) {
   const auto take = [&](std::string& value, const std::string& option, const auto& read) {
     if (!value.empty()) return;
     value = common_parameter(files, option, option);
@@ -70,7 +66,7 @@ BallChoice with_provenance(BallChoice choice, const std::vector<std::string>& fi
   return choice;
 }
 
-RestitutionOptions with_conditions_of(const std::vector<std::string>& files, RestitutionOptions options,
+RestitutionOptions with_conditions_of(const std::vector<fs::path>& files, RestitutionOptions options,
                                       const Given& given) {
   options.world = with_provenance(options.world, files);
   // contacts of a simulation, which alone says whether there was drag, take no time, and there may be no air
@@ -87,16 +83,6 @@ RestitutionOptions with_conditions_of(const std::vector<std::string>& files, Res
     refuse_history(files.front(), "gravity", "'" + printable(text) + "' is no acceleration");
   options.config.gravity_mps2 = known->value;
   return options;
-}
-
-RestitutionOptions with_conditions_of(const std::vector<std::string>& files, const RestitutionOptions& options,
-                                      Run& run) {
-  RestitutionOptions known = with_conditions_of(files, options, run.given);
-  set_parameter(run.parameters, "ball", known.world.ball);
-  set_parameter(run.parameters, "plate", known.world.plate);
-  set_parameter(run.parameters, "air", short_number(known.config.air_kgpm3));
-  set_parameter(run.parameters, "gravity", short_number(known.config.gravity_mps2));
-  return known;
 }
 
 std::string ball_line(const BallChoice& choice) {

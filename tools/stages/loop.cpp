@@ -178,17 +178,17 @@ void write_recording(const loop::LoopResult& loop, const fs::path& folder, const
 /// @param through_memory  a recording for each drop, which has one channel
 /// @throws InvalidArgument
 loop::LoopConfig loop_config(const LoopOptions& options, const CommonOptions& common, bool through_memory) {
+  Scene scene = options.scene;
+  scene.simulate.world = scene.synthesize.world = scene.world;
   loop::LoopConfig config;
-  config.simulation =
-      simulation_config(with_world(options.scene.simulate, options.scene.world), common.seed, common.n_threads);
-  config.synthesis =
-      synthesis_config(with_world(options.scene.synthesize, options.scene.world), common.seed, common.n_threads);
+  config.simulation = simulation_config(scene.simulate, common.seed, common.n_threads);
+  config.synthesis = synthesis_config(scene.synthesize, common.seed, common.n_threads);
   if (through_memory && config.synthesis.channels.size() != 1)
     throw InvalidArgument("--channel: a loop through memory has one sensor, not " +
                           std::to_string(config.synthesis.channels.size()) +
                           "; give one, or use --preset quick without lists");
-  config.n_asperities = options.scene.simulate.n_asperities;
-  config.radius_law = sim::radius_law_from_text(options.scene.simulate.radius_law);
+  config.n_asperities = scene.simulate.n_asperities;
+  config.radius_law = sim::radius_law_from_text(scene.simulate.radius_law);
   config.n_threads = common.n_threads;
   if (options.keep_sound && is_paper(options)) config.sound_folder = fs::path(options.out) / "sound";
   return config;
@@ -229,16 +229,13 @@ std::vector<Section> sections_of(LoopOptions& options) {
   return sections;
 }
 
-void apply_loop_preset(LoopOptions& options, Run& run) {
-  if (options.preset != "paper") return;
-  apply_paper_preset(options.scene.simulate, run);
-  const auto set = [&](const std::string& name, double& value, double to) {
-    if (run.given.contains(name)) return;
-    value = to;
-    set_parameter(run.parameters, name, fmt::format("{:g}", to));
-  };
-  set("lead-in", options.scene.synthesize.config.lead_in_s, loop::kPaperLeadIn_s);
-  set("pause", options.scene.synthesize.config.pause_s, loop::kPaperPause_s);
+void apply_preset(LoopOptions& options, const Given& given) {
+  if (!is_paper(options)) return;
+  options.scene.simulate.preset = options.preset;
+  apply_preset(options.scene.simulate, given);
+  synthesis::SynthesisConfig& sound = options.scene.synthesize.config;
+  if (!given.contains("lead-in")) sound.lead_in_s = loop::kPaperLeadIn_s;
+  if (!given.contains("pause")) sound.pause_s = loop::kPaperPause_s;
 }
 
 namespace {
@@ -265,8 +262,7 @@ Outcome run_sweep(const LoopOptions& options, const Run& run) {
   std::vector<loop::SweepPoint> points;
   for (const loop::Settings& settings : all) {
     progress(static_cast<double>(points.size()), static_cast<double>(all.size()));
-    const loop::LoopConfig config = config_of(settings, true);
-    points.push_back(loop::sweep_point(settings, loop::run_loop(config, interrupts_only), config.node_speeds_mps));
+    points.push_back(loop::sweep_point(settings, loop::run_loop(config_of(settings, true))));
   }
   const std::vector<fs::path> inputs = files_named_by_options(run);
   write_table(run, folder / "sweep.csv", to_table(points), inputs);

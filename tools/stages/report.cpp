@@ -4,8 +4,6 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <algorithm>
-#include <cctype>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -62,35 +60,28 @@ fs::path installed_browser() {
                   "chromium), or save each figure by its button in report.html");
 }
 
-/// Draws pages without a window, with a profile of its own.
-class Browser {
- public:
-  explicit Browser(const fs::path& scratch) : program_(installed_browser()), profile_(scratch / "profile") {}
+FileError failure(const std::string& complaints) {
+  const std::string first = complaints.substr(0, complaints.find('\n'));
+  return {kOption, installed_browser().filename().string() + " cannot draw the figures" +
+                       (first.empty() ? "" : ": " + printable(first))};
+}
 
-  /// @param wanted  what it is to do with the page. @return what it writes
-  std::string open(const std::string& address, const std::vector<std::string>& wanted) const {
-    constexpr std::size_t kMost_bytes = std::size_t{1} << 30;
-    ChildLimits limits;
-    limits.elapsed_s = 300.0;  // a page takes some seconds
-    std::vector<std::string> arguments{"--headless", "--disable-gpu", "--window-size=1280,1000",
-                                       "--virtual-time-budget=60000", "--user-data-dir=" + profile_.string()};
-    if (::geteuid() == 0) arguments.emplace_back("--no-sandbox");  // it does not start for root otherwise
-    arguments.insert(arguments.end(), wanted.begin(), wanted.end());
-    arguments.push_back("file://" + address);
-    const ProgramResult result = run_program(program_, arguments, kOption, -1, limits, kMost_bytes);
-    if (!result.ended_well) throw failure(result.complaints);
-    return result.output;
-  }
-
-  FileError failure(const std::string& complaints) const {
-    const std::string first = complaints.substr(0, complaints.find('\n'));
-    return {kOption,
-            program_.filename().string() + " cannot draw the figures" + (first.empty() ? "" : ": " + printable(first))};
-  }
-
- private:
-  fs::path program_, profile_;
-};
+/// Opens a page without a window, with a profile of its own.
+/// @param wanted  what the browser is to do with the page. @return what it writes
+std::string opened(const fs::path& scratch, const std::string& address, const std::vector<std::string>& wanted) {
+  constexpr std::size_t kMost_bytes = std::size_t{1} << 30;
+  ChildLimits limits;
+  limits.elapsed_s = 300.0;  // a page takes some seconds
+  std::vector<std::string> arguments{"--headless", "--disable-gpu", "--window-size=1280,1000",
+                                     "--virtual-time-budget=60000",
+                                     "--user-data-dir=" + (scratch / "profile").string()};
+  if (::geteuid() == 0) arguments.emplace_back("--no-sandbox");  // it does not start for root otherwise
+  arguments.insert(arguments.end(), wanted.begin(), wanted.end());
+  arguments.push_back("file://" + address);
+  const ProgramResult result = run_program(installed_browser(), arguments, kOption, -1, limits, kMost_bytes);
+  if (!result.ended_well) throw failure(result.complaints);
+  return result.output;
+}
 
 /// A page that holds the picture and nothing else, of its size.
 std::string page_of(const nlohmann::json& figure) {
@@ -99,17 +90,12 @@ std::string page_of(const nlohmann::json& figure) {
          "px; margin: 0 } body { margin: 0 } svg { display: block }</style>" + figure.at("svg").get<std::string>();
 }
 
-bool is_plain(const std::string& name) {
-  return !name.empty() && std::all_of(name.begin(), name.end(),
-                                      [](unsigned char c) { return std::isalnum(c) != 0 || c == '-' || c == '_'; });
-}
-
 /// What the page's scripts put in place of the page (listFigures in plot.js).
-nlohmann::json listed_figures(const Browser& browser, const fs::path& page) {
+nlohmann::json listed_figures(const fs::path& scratch, const fs::path& page) {
   const std::string begin = "<script type=\"application/json\" id=\"figures\">", end = "</script>";
-  const std::string drawn = browser.open(page.string() + "#figures", {"--dump-dom"});
+  const std::string drawn = opened(scratch, page.string() + "#figures", {"--dump-dom"});
   const std::size_t at = drawn.find(begin);
-  if (at == std::string::npos) throw browser.failure("its page has no list of figures");
+  if (at == std::string::npos) throw failure("its page has no list of figures");
   const std::size_t first = at + begin.size();
   return nlohmann::json::parse(drawn.substr(first, drawn.find(end, first) - first));
 }
@@ -123,17 +109,15 @@ using Files = std::vector<std::pair<fs::path, std::string>>;
 /// @throws FileError where no such browser is installed, or it cannot draw them; Interrupted
 Files draw_figures(const std::string& page, const fs::path& folder, const ProgressCallback& progress) {
   const ScratchFolder scratch;
-  const Browser browser(scratch.path());
   const fs::path whole = scratch.path() / "report.html", single = scratch.path() / "figure.html",
                  pdf = scratch.path() / "figure.pdf";
   write_whole(whole, page, true);
-  const nlohmann::json listed = listed_figures(browser, whole);
+  const nlohmann::json listed = listed_figures(scratch.path(), whole);
   Files files;
   for (const nlohmann::json& figure : listed) {
     const std::string name = figure.at("name");
-    if (!is_plain(name)) throw browser.failure("a figure is called '" + name + "'");
     write_whole(single, page_of(figure), true);
-    browser.open(single.string(), {"--no-pdf-header-footer", "--print-to-pdf=" + pdf.string()});
+    opened(scratch.path(), single.string(), {"--no-pdf-header-footer", "--print-to-pdf=" + pdf.string()});
     files.emplace_back(folder / (name + ".svg"), figure.at("svg"));
     files.emplace_back(folder / (name + ".pdf"), whole_content(pdf));
     fs::remove(pdf);

@@ -40,11 +40,6 @@ Parameters parameters_of(const std::vector<Section>& sections, const Given& give
   return parameters;
 }
 
-void set_parameter(Parameters& parameters, const std::string& name, const std::string& value) {
-  for (Parameter& p : parameters)
-    if (p.name == name) p.values = {value};
-}
-
 namespace {
 
 /// The first asks to stop, which leaves nothing half-written; the second ends the program at once, also where a library
@@ -136,10 +131,6 @@ ProgressCallback progress_line(const Run& run, const std::string& label, const s
 
 StageProgress stage_progress(const Run& run) {
   return [&run](const std::string& label, const std::string& unit) { return progress_line(run, label, unit); };
-}
-
-ProgressCallback interrupts_only(const std::string&, const std::string&) {
-  return [](double, double) { throw_if_stop_requested(); };
 }
 
 }  // namespace bouncelab::stages

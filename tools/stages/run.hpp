@@ -47,7 +47,6 @@ struct Run {
   std::vector<std::string> command_line;
   Given given;
   Parameters parameters;               ///< every option of the command, resolved, for the provenance
-  std::vector<std::string> arguments;  ///< of the command, those of the configuration file first
   std::vector<loop::SweepAxis> sweep;  ///< lists of the configuration file, in its order
   /// Takes the progress in place of the line on standard error: what is done, how much of it, of how much (0: not
   /// known), in what unit.
@@ -58,8 +57,6 @@ struct Run {
 Section common_section(CommonOptions& common);
 /// Every option with its texts: those typed, else the default as it would be typed.
 Parameters parameters_of(const std::vector<Section>& sections, const Given& given);
-/// Replaces the value of one of them.
-void set_parameter(Parameters& parameters, const std::string& name, const std::string& value);
 
 enum ExitCode : int { kDone = 0, kNotUsable = 1, kWrongUsage = 2, kFileError = 3, kInterrupted = 130 };
 
@@ -98,7 +95,5 @@ ProgressCallback progress_line(const Run& run, const std::string& label, const s
 
 /// The same for the stages of a loop.
 StageProgress stage_progress(const Run& run);
-/// For the stages of a loop: shows nothing, throws Interrupted once the user asked to stop.
-ProgressCallback interrupts_only(const std::string& label, const std::string& unit);
 
 }  // namespace bouncelab::stages

@@ -56,14 +56,10 @@ Object summary_of(const sim::SimulationResult& result, const Ball& ball) {
   return summary;
 }
 
-void apply_paper_preset(SimulateOptions& options, Run& run) {
-  const auto set = [&](const std::string& name, std::int64_t& value, std::int64_t to) {
-    if (run.given.contains(name)) return;
-    value = to;
-    set_parameter(run.parameters, name, std::to_string(to));
-  };
-  set("drops", options.config.n_drops, loop::kPaperDrops);
-  set("impacts", options.config.n_impacts_max, loop::kPaperImpacts);
+void apply_preset(SimulateOptions& options, const Given& given) {
+  if (options.preset != "paper") return;
+  if (!given.contains("drops")) options.config.n_drops = loop::kPaperDrops;
+  if (!given.contains("impacts")) options.config.n_impacts_max = loop::kPaperImpacts;
 }
 
 std::vector<Section> sections_of(SimulateOptions& options) {

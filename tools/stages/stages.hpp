@@ -14,15 +14,32 @@
 #include "bouncelab/sim/experiment.hpp"
 #include "bouncelab/sim/surface.hpp"
 #include "stage_options/options.hpp"
-#include "stages/ball_of_files.hpp"
 #include "stages/run.hpp"
 
 namespace bouncelab::stages {
 
+// What is known of the ball in the files that a stage reads, by their provenance (ball_of_files.cpp).
+
+/// `choice`, where a part is not named that of the command which wrote the files (their provenance), if it had one.
+/// @throws FileError where the provenance cannot be read; InvalidArgument where the files were made with several
+BallChoice with_provenance(BallChoice choice, const std::vector<std::filesystem::path>& files);
+
+/// Puts the ball, the plate and how impacts were simulated, where it is the same of all files, among the parameters of
+/// what is made of them: only the provenance beside a file is read, not those of its inputs.
+/// @param files  at least one
+void keep_conditions_of(const std::vector<std::filesystem::path>& files, Parameters& parameters);
+
+/// What is known of how the files' impacts came about, where no option says otherwise: ball and plate; of a simulation
+/// gravity and whether there was air (contacts take no time in it). @throws as with_provenance
+RestitutionOptions with_conditions_of(const std::vector<std::filesystem::path>& files, RestitutionOptions options,
+                                      const Given& given);
+/// What was understood, as a line.
+std::string ball_line(const BallChoice& choice);
+
 // sections_of(): the options of a stage but for the files that it reads and writes.
 
-/// The number of drops and impacts of the paper's run, where the user did not set them.
-void apply_paper_preset(SimulateOptions& options, Run& run);
+/// With --preset paper the number of drops and impacts of the paper's run, where the user did not set them.
+void apply_preset(SimulateOptions& options, const Given& given);
 
 /// The asperities of the file that the options name; absent where they name none. @throws FileError
 std::optional<sim::Surface> surface_from_file(const SimulateOptions& options, const Ball& ball);
@@ -148,7 +165,7 @@ Outcome run_loop(const LoopOptions& options, const Run& run);
 /// With the folder and the ball.
 std::vector<Section> sections_of(LoopOptions& options);
 /// The paper's run, where the user did not choose otherwise.
-void apply_loop_preset(LoopOptions& options, Run& run);
+void apply_preset(LoopOptions& options, const Given& given);
 
 struct ReportOptions {
   std::string folder;  ///< with fit.json, and summary.json, samples.csv, wave.json where they exist

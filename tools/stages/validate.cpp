@@ -7,6 +7,8 @@
 #include <cmath>
 #include <filesystem>
 #include <optional>
+#include <string_view>
+#include <type_traits>
 #include <utility>
 
 #include "bouncelab/core/error.hpp"
@@ -103,29 +105,24 @@ std::string text_of(const std::vector<Case>& cases, const std::vector<loop::Swee
 
 /// scores.csv
 Table table_of(const std::vector<Case>& cases, const std::vector<DetectorResult>& results) {
-  std::vector<std::string> detectors, recordings, settings, failures;
-  std::vector<loop::DetectorScore> scores;
-  for (const DetectorResult& result : results)
-    for (std::size_t k = 0; k < cases.size(); ++k) {
-      detectors.push_back(result.name);
-      recordings.push_back(cases[k].name);
-      settings.push_back(loop::text_of(cases[k].settings));
-      failures.push_back(result.marks[k].failure);
-      scores.push_back(result.marks[k].score);
-    }
-  Table table{
-      {{"detector", std::move(detectors)}, {"recording", std::move(recordings)}, {"setting", std::move(settings)}}};
-  for (const Member& member : members_of(static_cast<const loop::DetectorScore*>(nullptr))) {
-    std::vector<double> cells;
-    for (const loop::DetectorScore& score : scores) {
-      const Value value = member.get(&score);
-      const auto* count = std::get_if<std::uint64_t>(&value);
+  Table table;
+  const auto add = [&](std::string_view name, const auto& of) {
+    std::vector<std::remove_cvref_t<decltype(of(results.front(), 0))>> cells;
+    for (const DetectorResult& result : results)
+      for (std::size_t k = 0; k < cases.size(); ++k) cells.push_back(of(result, k));
+    table.columns.push_back({std::string(name), std::move(cells)});
+  };
+  add("detector", [](const DetectorResult& result, std::size_t) { return result.name; });
+  add("recording", [&](const DetectorResult&, std::size_t k) { return cases[k].name; });
+  add("setting", [&](const DetectorResult&, std::size_t k) { return loop::text_of(cases[k].settings); });
+  for (const Member& member : members_of(static_cast<const loop::DetectorScore*>(nullptr)))
+    add(member.name, [&](const DetectorResult& result, std::size_t k) {
+      const Value value = member.get(&result.marks[k].score);
+      if (const auto* count = std::get_if<std::uint64_t>(&value)) return static_cast<double>(*count);
       const auto* real = std::get_if<double>(&value);
-      cells.push_back(count != nullptr ? static_cast<double>(*count) : real != nullptr ? *real : std::nan(""));
-    }
-    table.columns.push_back({std::string(member.name), std::move(cells)});
-  }
-  table.columns.push_back({"failure", std::move(failures)});
+      return real != nullptr ? *real : std::nan("");
+    });
+  add("failure", [](const DetectorResult& result, std::size_t k) { return result.marks[k].failure; });
   return table;
 }
 
@@ -148,8 +145,7 @@ Object object_of_result(const std::vector<Case>& cases, const std::vector<loop::
 }
 
 /// The sound of the three recordings in which a detector finds least, with its marks, for the page.
-Values worst_of(const std::vector<Case>& cases, const std::vector<loop::TrueTimes>& truths,
-                const DetectorResult& result) {
+Values worst_of(const std::vector<Case>& cases, const DetectorResult& result) {
   constexpr std::size_t kWorst = 3;
   std::vector<std::pair<double, std::size_t>> order;
   for (std::size_t k = 0; k < cases.size(); ++k)
@@ -165,7 +161,7 @@ Values worst_of(const std::vector<Case>& cases, const std::vector<loop::TrueTime
     worst.emplace_back(Object{{"recording", cases[k].name},
                               {"f", f},
                               {"wave", value_of(wave)},
-                              {"true_s", seconds_of(truths[k].onsets)},
+                              {"true_s", seconds_of(cases[k].times.onsets)},
                               {"marked_s", seconds_of(result.marks[k].onsets)}});
   }
   return worst;
@@ -210,15 +206,14 @@ void check_usage(const ValidateOptions& options, const Run& run) {
 
 /// Every detector on every recording; their marks are written.
 std::vector<DetectorResult> results_of(const ValidateOptions& options, const std::vector<Case>& cases,
-                                       const std::vector<loop::TrueTimes>& truths, const fs::path& marks_folder,
-                                       const Run& run) {
+                                       const fs::path& marks_folder, const Run& run) {
   std::vector<DetectorResult> results;
   for (const std::string& detector : options.detectors) results.push_back({detector, {}, {}, 0});
   const ProgressCallback progress = progress_line(run, "validate", "recordings");
   for (std::size_t k = 0; k < cases.size(); ++k)
     for (std::size_t d = 0; d < results.size(); ++d) {
       progress(static_cast<double>(k * results.size() + d), static_cast<double>(cases.size() * results.size()));
-      Marks marks = marks_of(results[d].name, cases[k], truths[k], options, fs::absolute(options.out));
+      Marks marks = marks_of(results[d].name, cases[k], options, fs::absolute(options.out));
       write_table(run, marks_folder / std::to_string(d + 1) / (cases[k].name + ".csv"), to_table(marks.onsets),
                   {cases[k].sound});
       results[d].n_failed += marks.failure.empty() ? 0 : 1;
@@ -273,14 +268,13 @@ Outcome run_validate(const ValidateOptions& options, const Run& run) {
   const std::vector<std::string>& detectors = options.detectors;
   const fs::path folder = options.out, sounds = folder / "recordings", marks_folder = folder / "marks";
   const bool is_synthesized = options.recordings.empty();
-  const std::vector<Case> cases = is_synthesized ? cases_of(options, run, sounds) : given_cases(options);
+  std::vector<Case> cases = is_synthesized ? cases_of(options, run, sounds) : given_cases(options);
   std::vector<std::string> taken_for;
-  std::vector<loop::TrueTimes> truths;
   const auto read_truths = [&] {
-    for (const Case& c : cases) {
-      truths.push_back(read_times(c.truth, taken_for));
-      if (!is_synthesized) check_within(c, truths.back());
-      if (options.offset_only) truths.back().v_mps.clear();
+    for (Case& c : cases) {
+      c.times = read_times(c.truth, taken_for);
+      if (!is_synthesized) check_within(c);
+      if (options.offset_only) c.times.v_mps.clear();
     }
   };
   if (!is_synthesized) read_truths();  // what is wrong is said before the work
@@ -299,14 +293,14 @@ Outcome run_validate(const ValidateOptions& options, const Run& run) {
     read_truths();
   }
 
-  const std::vector<DetectorResult> results = results_of(options, cases, truths, marks_folder, run);
+  const std::vector<DetectorResult> results = results_of(options, cases, marks_folder, run);
   write_table(run, folder / "scores.csv", table_of(cases, results), inputs);
   Outcome outcome;
   Values all, shown;
   for (const DetectorResult& result : results) {
     Object object = object_of_result(cases, run.sweep, result);
     all.emplace_back(object);
-    object.emplace_back("worst", worst_of(cases, truths, result));
+    object.emplace_back("worst", worst_of(cases, result));
     shown.emplace_back(std::move(object));
   }
   outcome.result = {{"detectors", std::move(all)}};

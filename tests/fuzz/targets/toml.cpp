@@ -31,18 +31,20 @@ template <int kCommand>
 cli::Command command() {
   static Options options;
   const std::string name = kCommand == 0 ? "loop" : kCommand == 1 ? "simulate" : "fit";
-  return {name, "", "", {options::section_of(options, "", {"simulate"})}, {}, {"simulate", "report"}};
+  return {name, "", "", "", {"simulate", "report"}, false, {}, {options::section_of(options, "", {"simulate"})}};
 }
 
-const std::vector<cli::CommandName> kCommands{
-    {"loop", command<0>, ""}, {"simulate", command<1>, ""}, {"fit", command<2>, ""}};
+const std::vector<cli::Command>& commands() {
+  static const std::vector<cli::Command> all{command<0>(), command<1>(), command<2>()};
+  return all;
+}
 
 }  // namespace
 
 void run(Bytes input) {
   static const cli::Command loop = command<0>();
   std::vector<cli::ConfigOption> options;
-  if (!accepts([&] { options = cli::config_options(text_of(input), "input", loop, kCommands); })) return;
+  if (!accepts([&] { options = cli::config_options(text_of(input), "input", loop, commands()); })) return;
   for (const cli::ConfigOption& option : options) {
     require(cli::option_named(loop.sections, option.name).has_value() || option.name == "seed" ||
                 option.name == "threads" || option.name == "json" || option.name == "quiet" || option.name == "force",

@@ -47,7 +47,7 @@ Outcome run_balls() {
   return outcome;
 }
 
-Outcome run_dem(const DemOptions& options) {
+Outcome run_dem(const DemOptions& options, const Run&) {
   const std::string content = whole_content(options.fit);
   const auto json = nlohmann::json::parse(content, nullptr, false);
   if (!stages::is_fit(content))
@@ -117,10 +117,9 @@ std::string first_line(const std::string& text) { return text.substr(0, text.fin
 /// What can follow the words typed, of which the last is to be completed.
 std::string offered(const std::vector<std::string>& typed) {
   std::vector<std::string> words;
-  for (const CommandName& named : all_commands()) {
-    const Command command = named.make();
-    if (typed.size() < 2) words.push_back(named.name + "\t" + first_line(command.summary));
-    if (typed.size() < 2 || named.name != typed.front()) continue;
+  for (const Command& command : all_commands()) {
+    if (typed.size() < 2) words.push_back(command.name + "\t" + first_line(command.summary));
+    if (typed.size() < 2 || command.name != typed.front()) continue;
     CommonOptions common;
     const std::vector<Section> sections = all_sections(command, common);
     const std::string& before = typed[typed.size() - 2];
@@ -138,7 +137,7 @@ std::string offered(const std::vector<std::string>& typed) {
 
 }  // namespace
 
-Outcome run_completion(const CompletionOptions& options) {
+Outcome run_completion(const CompletionOptions& options, const Run&) {
   Outcome outcome;
   outcome.text = options.shell == "bash"   ? kBash
                  : options.shell == "zsh"  ? kZsh

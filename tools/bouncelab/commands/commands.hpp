@@ -18,7 +18,7 @@ struct CompletionOptions {
   std::string shell;               ///< bash, zsh, fish; words: what their scripts ask for
   std::vector<std::string> typed;  ///< of `words`, the word to complete last
 };
-Outcome run_completion(const CompletionOptions& options);
+Outcome run_completion(const CompletionOptions& options, const Run& run);
 
 struct DemOptions {
   std::string fit;
@@ -28,7 +28,7 @@ struct DemOptions {
 
 /// Prints what the fit has for the code. Exit code 1 where it has nothing of the kind.
 /// @throws FileError where the file is no fit.json
-Outcome run_dem(const DemOptions& options);
+Outcome run_dem(const DemOptions& options, const Run& run);
 
 struct ConvertOptions {
   std::string input;

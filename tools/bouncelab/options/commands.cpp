@@ -12,6 +12,10 @@
 namespace bouncelab::cli {
 namespace {
 
+// headings of --help
+constexpr const char *kWhole = "From recording, or simulation, to the answer", *kStages = "Step by step",
+                     *kBeside = "Beside them";
+
 constexpr Member kList =
     member<&DetectOptions::list>("list", "File with more recordings, one a line").looks_like("FILE");
 
@@ -20,12 +24,24 @@ Section in_full_help(Section section) {
   return section;
 }
 
-/// The options of a stage, with its files in front.
-template <class Options>
-std::vector<Section> with_files(Description files, Options& options) {
-  std::vector<Section> sections = sections_of(options);
-  sections.insert(sections.begin(), {"", files, &options});
-  return sections;
+/// A command of one struct of options: its files, what describes it otherwise, `more`.
+/// @param run      from the options and the Run to the Outcome
+/// @param prepare  sets what was not typed
+template <class Options, class Work>
+Command command_of(Command described, Description files, Work run, void (*prepare)(Options&, const Given&) = nullptr,
+                   Section (*more)(Options&) = nullptr) {
+  const auto options = std::make_shared<Options>();
+  described.sections.push_back({"", files, options.get()});
+  if constexpr (requires { sections_of(*options); })
+    for (Section& section : sections_of(*options)) described.sections.push_back(std::move(section));
+  if (more != nullptr) described.sections.push_back(more(*options));
+  if (prepare != nullptr) described.prepare = [options, prepare](const Given& given) { prepare(*options, given); };
+  described.run = [options, run](Run& call) { return run(*options, call); };
+  return described;
+}
+
+Section foreign_section(ForeignFileOptions& options) {
+  return section_of(options, "Marks and tables of other programs");
 }
 
 /// Of several recordings another than that of the first alone, whose report would be in the way.
@@ -56,10 +72,14 @@ Command analyze_command() {
   auto options = std::make_shared<O>();
   return {
       "analyze",
+      kWhole,
       "Recordings, or times, heights, speeds -> eps(v) -> constants and a report; nothing has to be set",
       "Example: bouncelab analyze drop.wav --out out/drop\n"
       "         bouncelab analyze times.csv --ball table-tennis\n"
       "         bouncelab analyze heights.csv --as heights --unit m   # 1, .81, .66: release, then each bounce",
+      {"detect", "restitution", "fit", "report"},
+      false,
+      {},
       {{"", recordings, &options->detect},
        {"", outputs, options.get()},
        ball_section(options->restitution.world, "not known, so that drag and contact time stay open",
@@ -68,34 +88,24 @@ Command analyze_command() {
        in_full_help(section_of(options->detect.config, "Detection", {"detect"})),
        in_full_help(section_of(options->restitution.config, "Coefficients of restitution", {"restitution"})),
        in_full_help(section_of(options->fit.config, "Fit", {"fit"}))},
-      [options](Run& run) {
-        if (options->out.empty()) {
-          options->out = folder_beside(recordings_of(options->detect));
-          set_parameter(run.parameters, "out", options->out);
-        }
-        std::vector<std::string> files;
-        for (const std::filesystem::path& file : recordings_of(options->detect)) files.push_back(file.string());
-        options->restitution = with_conditions_of(files, options->restitution, run);
-        return run_analyze(*options, run);
+      [options](const Given& given) {
+        if (options->out.empty()) options->out = folder_beside(recordings_of(options->detect));
+        options->restitution = with_conditions_of(recordings_of(options->detect), options->restitution, given);
       },
-      {"detect", "restitution", "fit", "report"}};
+      [options](Run& run) { return run_analyze(*options, run); }};
 }
 
 Command loop_command() {
-  auto options = std::make_shared<LoopOptions>();
-  return {
-      "loop",
-      "The closed loop: simulate -> synthesize -> detect -> restitution -> fit -> report, all results in one folder",
-      "Examples: bouncelab loop --preset quick --out out/loop\n"
-      "          bouncelab loop --preset paper --out out/paper\n"
-      "          bouncelab loop --config samples/sweep.toml --out out/sweep   (lists in the file are run through)",
-      sections_of(*options),
-      [options](Run& run) {
-        apply_loop_preset(*options, run);
-        return run_loop(*options, run);
-      },
-      {"simulate", "synthesize", "detect", "restitution", "fit", "report"},
-      true};
+  return command_of<LoopOptions>(
+      {"loop",
+       kWhole,
+       "The closed loop: simulate -> synthesize -> detect -> restitution -> fit -> report, all results in one folder",
+       "Examples: bouncelab loop --preset quick --out out/loop\n"
+       "          bouncelab loop --preset paper --out out/paper\n"
+       "          bouncelab loop --config samples/sweep.toml --out out/sweep   (lists in the file are run through)",
+       {"simulate", "synthesize", "detect", "restitution", "fit", "report"},
+       true},
+      {}, run_loop, apply_preset);
 }
 
 Command simulate_command() {
@@ -103,20 +113,16 @@ Command simulate_command() {
   static constexpr Member files[]{
       member<&O::out>("out", "Impacts, .csv").writes("FILE").required(),
       member<&O::write_surface>("write_surface", "Write the asperities, .csv").writes("FILE")};
-  auto options = std::make_shared<O>();
-  return {"simulate",
-          "Drop a rough ball: impact times, velocities, asperities",
-          "Example: bouncelab simulate --drops 10 --asperities 100000 --out impacts.csv",
-          with_files(files, *options),
-          [options](Run& run) {
-            if (options->preset == "paper") apply_paper_preset(*options, run);
-            return run_simulate(*options, run);
-          },
-          {},
-          false,
-          {{"Columns of the impacts", description_of(columns_of(static_cast<const Impact*>(nullptr)))},
-           {"With --state also, at the instant of contact, z normal to the plate",
-            description_of(columns_of(static_cast<const ImpactState*>(nullptr)))}}};
+  return command_of<O>({"simulate",
+                        kStages,
+                        "Drop a rough ball: impact times, velocities, asperities",
+                        "Example: bouncelab simulate --drops 10 --asperities 100000 --out impacts.csv",
+                        {},
+                        false,
+                        {{"Columns of the impacts", description_of(columns_of(static_cast<const Impact*>(nullptr)))},
+                         {"With --state also, at the instant of contact, z normal to the plate",
+                          description_of(columns_of(static_cast<const ImpactState*>(nullptr)))}}},
+                       files, run_simulate, apply_preset);
 }
 
 Command synthesize_command() {
@@ -126,27 +132,29 @@ Command synthesize_command() {
       member<&O::out>("out", "Sound: .wav (RF64 above 4 GiB), .flac, .w64 or .rf64").writes("FILE").required(),
       member<&O::truth>("truth", "True onsets (default OUT without its extension + .truth.csv)").writes("FILE"),
       member<&O::each_drop>("each_drop", "One file for each drop: NAME.0000.wav, NAME.0001.wav ...")};
-  auto options = std::make_shared<O>();
-  options->world = {};
-  std::vector<Section> sections = with_files(files, *options);
-  sections.push_back(codec_section(*options));
-  return {"synthesize",
-          "Impact times to sound: plate, sensor, noise; exact times beside it as truth",
-          "Example: bouncelab synthesize impacts.csv --out recording.flac --snr-db 20 --hum 0.5",
-          std::move(sections),
-          [options](Run& run) {
-            BallChoice& world = options->world = with_provenance(options->world, {options->impacts});
-            if (world.ball.empty()) world.ball = kPaperBall.ball;
-            if (world.plate.empty()) world.plate = kPaperBall.plate;
-            set_parameter(run.parameters, "ball", world.ball);
-            set_parameter(run.parameters, "plate", world.plate);
-            keep_conditions_of({options->impacts}, run.parameters);
-            return run_synthesize(*options, run);
-          },
-          {},
-          false,
-          {{"Columns of the truth, a row for each impact, and `recording`, the file of the sound",
-            description_of(columns_of(static_cast<const synthesis::TrueImpact*>(nullptr)))}}};
+  return command_of<O>(
+      {"synthesize",
+       kStages,
+       "Impact times to sound: plate, sensor, noise; exact times beside it as truth",
+       "Example: bouncelab synthesize impacts.csv --out recording.flac --snr-db 20 --hum 0.5",
+       {},
+       false,
+       {{"Columns of the truth, a row for each impact, and `recording`, the file of the sound",
+         description_of(columns_of(static_cast<const synthesis::TrueImpact*>(nullptr)))}}},
+      files,
+      [](O& options, Run& run) {
+        keep_conditions_of({options.impacts}, run.parameters);
+        return run_synthesize(options, run);
+      },
+      +[](O& options, const Given&) {
+        BallChoice& world = options.world = with_provenance(options.world, {options.impacts});
+        if (world.ball.empty()) world.ball = kPaperBall.ball;
+        if (world.plate.empty()) world.plate = kPaperBall.plate;
+      },
+      +[](O& options) {
+        options.world = {};  // that of the impacts
+        return codec_section(options);
+      });
 }
 
 Command detect_command() {
@@ -157,15 +165,13 @@ Command detect_command() {
           .positional(),
       kList, member<&DetectOptions::out>("out", "Onsets, .csv").writes("FILE").required(),
       member<&DetectOptions::labels>("labels", "Also an Audacity label track").writes("FILE")};
-  auto options = std::make_shared<DetectOptions>();
-  return {"detect", "Impact times of bouncing balls in recordings, with standard errors; nothing has to be set",
-          "Example: bouncelab detect drop.wav --out onsets.csv --labels drop.txt", with_files(files, *options),
-          [options](Run& run) {
-            std::vector<std::string> recordings;
-            for (const std::filesystem::path& file : recordings_of(*options)) recordings.push_back(file.string());
-            keep_conditions_of(recordings, run.parameters);
-            return run_detect(*options, run);
-          }};
+  return command_of<DetectOptions>(
+      {"detect", kStages, "Impact times of bouncing balls in recordings, with standard errors; nothing has to be set",
+       "Example: bouncelab detect drop.wav --out onsets.csv --labels drop.txt"},
+      files, [](DetectOptions& options, Run& run) {
+        keep_conditions_of(recordings_of(options), run.parameters);
+        return run_detect(options, run);
+      });
 }
 
 Command restitution_command() {
@@ -178,16 +184,15 @@ Command restitution_command() {
           .required()
           .positional(),
       member<&O::out>("out", "Samples, .csv").writes("FILE").required()};
-  auto options = std::make_shared<O>();
-  std::vector<Section> sections = with_files(files, *options);
-  sections.push_back(section_of(options->foreign, "Marks and tables of other programs"));
-  return {"restitution", "Coefficients of restitution from impact times: ratios of neighbouring intervals",
-          "Example: bouncelab restitution onsets.csv --out samples.csv\n"
-          "         bouncelab restitution monday.csv tuesday.csv --out samples.csv",
-          std::move(sections), [options](Run& run) {
-            *options = with_conditions_of(options->onsets, *options, run);
-            return run_restitution(*options, run);
-          }};
+  return command_of<O>(
+      {"restitution", kStages, "Coefficients of restitution from impact times: ratios of neighbouring intervals",
+       "Example: bouncelab restitution onsets.csv --out samples.csv\n"
+       "         bouncelab restitution monday.csv tuesday.csv --out samples.csv"},
+      files, run_restitution,
+      +[](O& options, const Given& given) {
+        options = with_conditions_of({options.onsets.begin(), options.onsets.end()}, options, given);
+      },
+      +[](O& options) { return foreign_section(options.foreign); });
 }
 
 Command fit_command() {
@@ -207,11 +212,11 @@ Command fit_command() {
       member<&O::table>("table", "Also eps(v) as a table v_mps, eps, lo95, hi95").writes("FILE"),
       member<&O::histograms>("histograms", "Also p(eps) in windows of speed: bins, counts, density with its error, fit")
           .writes("FILE")};
-  auto options = std::make_shared<O>();
-  return {"fit", "eps(v), the constants of its law and the histograms p(eps) from coefficients of restitution",
-          "Example: bouncelab fit samples.csv --out fit.json\n"
-          "         bouncelab fit ball_a.csv ball_b.csv --out fit.json",
-          with_files(files, *options), [options](Run& run) { return run_fit(*options, run); }};
+  return command_of<O>(
+      {"fit", kStages, "eps(v), the constants of its law and the histograms p(eps) from coefficients of restitution",
+       "Example: bouncelab fit samples.csv --out fit.json\n"
+       "         bouncelab fit ball_a.csv ball_b.csv --out fit.json"},
+      files, run_fit);
 }
 
 Command roughness_command() {
@@ -222,13 +227,12 @@ Command roughness_command() {
           .required()
           .positional(),
       member<&O::out>("out", "Also the results, .json").writes("FILE")};
-  auto options = std::make_shared<O>();
-  return {
-      "roughness",
-      "The roughness of a ball from the scatter of its coefficients of restitution: q, and surfaces that scatter so",
-      "Example: bouncelab roughness samples.csv\n"
-      "         bouncelab roughness shell.csv --ball table-tennis --out roughness.json",
-      with_files(files, *options), [options](Run& run) { return run_roughness(*options, run); }};
+  return command_of<O>(
+      {"roughness", kStages,
+       "The roughness of a ball from the scatter of its coefficients of restitution: q, and surfaces that scatter so",
+       "Example: bouncelab roughness samples.csv\n"
+       "         bouncelab roughness shell.csv --ball table-tennis --out roughness.json"},
+      files, run_roughness);
 }
 
 Command compare_command() {
@@ -243,13 +247,13 @@ Command compare_command() {
                          "Table of columns recording, plate, date; without it dates in the recordings' names are taken")
           .looks_like("FILE"),
       member<&O::title>("title", "Title of the page")};
-  auto options = std::make_shared<O>();
-  return {"compare",
-          "Two recordings or plates: do they differ, and by what? Many: the pooled law, drift, plates, outliers",
-          "Example: bouncelab compare glass.wav wood.wav --out out/plates\n"
-          "         bouncelab compare samples.csv --groups plates.csv --out out/campaign",
-          {{"", files, options.get()}, ball_section(options->restitution.world, "not known", {"restitution"})},
-          [options](Run& run) { return run_compare(*options, run); }};
+  return command_of<O>(
+      {"compare", kStages,
+       "Two recordings or plates: do they differ, and by what? Many: the pooled law, drift, plates, outliers",
+       "Example: bouncelab compare glass.wav wood.wav --out out/plates\n"
+       "         bouncelab compare samples.csv --groups plates.csv --out out/campaign"},
+      files, run_compare, nullptr,
+      +[](O& options) { return ball_section(options.restitution.world, "not known", {"restitution"}); });
 }
 
 Command report_command() {
@@ -263,13 +267,10 @@ Command report_command() {
           "Each figure as SVG and PDF into this folder, in place of the page unless --out names one; needs Chromium, "
           "Chrome or Edge")
           .writes("FOLDER")};
-  auto options = std::make_shared<O>();
-  return {"report",
-          "fit.json and what lies beside it -> one HTML file with pictures",
-          "Example: bouncelab report out/loop --out report.html\n"
-          "         bouncelab report out/loop --figures figures",
-          {{"", files, options.get()}},
-          [options](Run& run) { return run_report(*options, run); }};
+  return command_of<O>({"report", kStages, "fit.json and what lies beside it -> one HTML file with pictures",
+                        "Example: bouncelab report out/loop --out report.html\n"
+                        "         bouncelab report out/loop --figures figures"},
+                       files, run_report);
 }
 
 Command dem_command() {
@@ -279,14 +280,12 @@ Command dem_command() {
       member<&O::code>("code", "For which code").one_of("liggghts,lammps,yade,mercurydpm,c++,python,formulas"),
       member<&O::model>("model", "Of the contact; default: constant eps, fluctuating for c++, python and formulas")
           .one_of("constant,viscoelastic,fluctuating,memory")};
-  auto options = std::make_shared<O>();
-  return {
-      "dem",
-      "Prints a fitted ball as input of a discrete-element code: one impact on a plate, complete, to try and to copy "
-      "from; or a function that draws fluctuating coefficients of restitution (docs/dem.md)",
-      "Example: bouncelab dem fit.json --code lammps --model viscoelastic > in.ball && lmp -in in.ball -var v 0.3",
-      {{"", all, options.get()}},
-      [options](Run&) { return run_dem(*options); }};
+  return command_of<O>(
+      {"dem", kStages,
+       "Prints a fitted ball as input of a discrete-element code: one impact on a plate, complete, to try and to copy "
+       "from; or a function that draws fluctuating coefficients of restitution (docs/dem.md)",
+       "Example: bouncelab dem fit.json --code lammps --model viscoelastic > in.ball && lmp -in in.ball -var v 0.3"},
+      all, run_dem);
 }
 
 Command convert_command() {
@@ -299,44 +298,49 @@ Command convert_command() {
       member<&O::foreign, &ForeignFileOptions::renumber>(
           "renumber",
           "Number the impacts of each drop anew: after marks were taken away, or their intervals stay out")};
-  auto options = std::make_shared<O>();
-  return {"convert",
-          "Onsets to marks that sound editors show, and marks corrected there back to onsets.\n"
-          "Written by extension: .csv; .txt (Audacity labels), .svl (Sonic Visualiser), .TextGrid "
-          "(Praat), .wav, .rf64 (cue points in a copy of the recording). Labels hold all that is known of an onset "
-          "(Audacity's in FILE.txt.onsets.csv beside them), so nothing is lost. A mark that was moved by more than the "
-          "format resolves (Audacity 0.5 us; .svl and cues half a sample; .TextGrid 1 ns), or made, counts as it "
-          "stands, without standard error, flagged by_hand.",
-          "Example: bouncelab convert onsets.csv --to marks.txt\n"
-          "         bouncelab convert marks.txt --recording drop.wav --to corrected.csv",
-          {{"", files, options.get()}, section_of(options->foreign, "Marks and tables of other programs")},
-          [options](Run& run) {
-            keep_conditions_of({options->input}, run.parameters);
-            return run_convert(*options, run);
-          }};
+  return command_of<O>(
+      {"convert", kBeside,
+       "Onsets to marks that sound editors show, and marks corrected there back to onsets.\n"
+       "Written by extension: .csv; .txt (Audacity labels), .svl (Sonic Visualiser), .TextGrid "
+       "(Praat), .wav, .rf64 (cue points in a copy of the recording). Labels hold all that is known of an onset "
+       "(Audacity's in FILE.txt.onsets.csv beside them), so nothing is lost. A mark that was moved by more than the "
+       "format resolves (Audacity 0.5 us; .svl and cues half a sample; .TextGrid 1 ns), or made, counts as it "
+       "stands, without standard error, flagged by_hand.",
+       "Example: bouncelab convert onsets.csv --to marks.txt\n"
+       "         bouncelab convert marks.txt --recording drop.wav --to corrected.csv"},
+      files,
+      [](O& options, Run& run) {
+        keep_conditions_of({options.input}, run.parameters);
+        return run_convert(options, run);
+      },
+      nullptr, +[](O& options) { return foreign_section(options.foreign); });
 }
 
 Command validate_command() {
-  auto options = std::make_shared<ValidateOptions>();
-  return {
-      "validate",
-      "Any onset detector against sound whose times are exactly known: precision, recall, jitter, bound, errors",
-      "Examples: bouncelab validate --config samples/validate.toml --detector builtin --detector 'aubioonset -i "
-      "{wav}' --out out/validate\n"
-      "          bouncelab validate --recordings folder --truth folder --detector 'python3 mine.py {wav}' --out "
-      "out/mine\n"
-      "          bouncelab validate --marks mine.txt --truth truth.csv\n"
-      "Of each list in the configuration file the first value holds in all recordings but those of its other values.",
-      sections_of(*options),
-      [options](Run& run) { return run_validate(*options, run); },
-      {"simulate", "synthesize"},
-      true};
+  return command_of<ValidateOptions>(
+      {"validate",
+       kBeside,
+       "Any onset detector against sound whose times are exactly known: precision, recall, jitter, bound, errors",
+       "Examples: bouncelab validate --config samples/validate.toml --detector builtin --detector 'aubioonset -i "
+       "{wav}' --out out/validate\n"
+       "          bouncelab validate --recordings folder --truth folder --detector 'python3 mine.py {wav}' --out "
+       "out/mine\n"
+       "          bouncelab validate --marks mine.txt --truth truth.csv\n"
+       "Of each list in the configuration file the first value holds in all recordings but those of its other values.",
+       {"simulate", "synthesize"},
+       true},
+      {}, run_validate);
 }
 
 Command balls_command() {
   return {"balls",
+          kBeside,
           "Lists the balls, materials and plates that --ball and --plate know, with their numbers and sources",
           "Example: bouncelab balls --json",
+          {},
+          false,
+          {},
+          {},
           {},
           [](Run&) { return run_balls(); }};
 }
@@ -348,40 +352,20 @@ Command completion_command() {
           .required()
           .positional(),
       member<&CompletionOptions::typed>("typed", "Of `words`: what is typed, the word to complete last").positional()};
-  auto words = std::make_shared<CompletionOptions>();
-  return {"completion",
-          "A script by which bash, zsh or fish complete bouncelab's words",
-          "Examples: bouncelab completion bash > ~/.local/share/bash-completion/completions/bouncelab\n"
-          "          bouncelab completion fish > ~/.config/fish/completions/bouncelab.fish\n"
-          "          bouncelab completion zsh > DIR/_bouncelab   (DIR in $fpath)",
-          {{"", options, words.get()}},
-          [words](Run&) { return run_completion(*words); }};
+  return command_of<CompletionOptions>(
+      {"completion", kBeside, "A script by which bash, zsh or fish complete bouncelab's words",
+       "Examples: bouncelab completion bash > ~/.local/share/bash-completion/completions/bouncelab\n"
+       "          bouncelab completion fish > ~/.config/fish/completions/bouncelab.fish\n"
+       "          bouncelab completion zsh > DIR/_bouncelab   (DIR in $fpath)"},
+      options, run_completion);
 }
 
 }  // namespace
 
-// in the order of --help; stages in that of the data
-const std::vector<CommandName>& all_commands() {
-  static const std::string whole = "From recording, or simulation, to the answer", stages = "Step by step",
-                           beside = "Beside them";
-  static const std::vector<CommandName> all{
-      {"analyze", analyze_command, whole},
-      {"loop", loop_command, whole},
-      {"simulate", simulate_command, stages},
-      {"synthesize", synthesize_command, stages},
-      {"detect", detect_command, stages},
-      {"restitution", restitution_command, stages},
-      {"fit", fit_command, stages},
-      {"roughness", roughness_command, stages},
-      {"compare", compare_command, stages},
-      {"report", report_command, stages},
-      {"dem", dem_command, stages},
-      {"convert", convert_command, beside},
-      {"validate", validate_command, beside},
-      {"balls", balls_command, beside},
-      {"completion", completion_command, beside},
-  };
-  return all;
+std::vector<Command> all_commands() {
+  return {analyze_command(),     loop_command(),    simulate_command(),  synthesize_command(), detect_command(),
+          restitution_command(), fit_command(),     roughness_command(), compare_command(),    report_command(),
+          dem_command(),         convert_command(), validate_command(),  balls_command(),      completion_command()};
 }
 
 }  // namespace bouncelab::cli

@@ -18,25 +18,22 @@ namespace bouncelab::cli {
 using namespace stages;
 
 struct Command {
-  std::string name, summary, example;
-  std::vector<Section> sections;  ///< their objects live as long as `run`
-  std::function<Outcome(Run&)> run;
+  std::string name, group;  ///< the group is a heading in --help
+  std::string summary, example;
   std::vector<std::string> stages{};  ///< commands that it runs; a configuration file may have sections of them
   bool runs_through_lists = false;    ///< of a configuration file
   /// Tables that it writes, by heading, for --help: the columns with what they are.
   std::vector<std::pair<std::string, std::vector<Member>>> tables{};
+  std::vector<Section> sections{};              ///< their objects live as long as `run`
+  std::function<void(const Given&)> prepare{};  ///< sets options that were not typed: by a preset, by the input
+  std::function<Outcome(Run&)> run{};
 };
 
-struct CommandName {
-  std::string name;
-  Command (*make)() = nullptr;
-  std::string group;  ///< heading in --help
-};
-/// In the order of --help.
-const std::vector<CommandName>& all_commands();
+/// In the order of --help, stages in that of the data; their options have their defaults.
+std::vector<Command> all_commands();
 /// nullptr where no command is called so.
-inline const CommandName* command_named(const std::vector<CommandName>& all, const std::string& name) {
-  const auto found = std::find_if(all.begin(), all.end(), [&](const CommandName& c) { return c.name == name; });
+inline const Command* command_named(const std::vector<Command>& all, const std::string& name) {
+  const auto found = std::find_if(all.begin(), all.end(), [&](const Command& c) { return c.name == name; });
   return found == all.end() ? nullptr : &*found;
 }
 
@@ -84,7 +81,7 @@ struct ConfigOption {
 /// @throws FileError naming the line where the text is no TOML; InvalidArgument naming line and key: an unknown key or
 ///         section, a key given twice, a list of no use, a value that is none of an option
 std::vector<ConfigOption> config_options(std::string_view text, const std::string& file, const Command& command,
-                                         const std::vector<CommandName>& all);
+                                         const std::vector<Command>& all);
 
 /// A command line with the options that its --config file adds.
 struct CommandLine {
@@ -97,6 +94,6 @@ struct CommandLine {
 /// @param typed  the command's name first
 /// @throws FileError, InvalidArgument naming the line of the file
 CommandLine line_with_config(const std::vector<std::string>& typed, const Command& command,
-                             const std::vector<CommandName>& all);
+                             const std::vector<Command>& all);
 
 }  // namespace bouncelab::cli

@@ -54,11 +54,11 @@ std::vector<std::string> keys_of(const Command& command, const std::string& stag
 }
 
 /// Absent where no command is called like the section.
-std::optional<ConfigSection> config_section(const Command& command, const std::vector<CommandName>& all,
+std::optional<ConfigSection> config_section(const Command& command, const std::vector<Command>& all,
                                             const std::string& section) {
-  const CommandName* named = command_named(all, section);
+  const Command* named = command_named(all, section);
   if (named == nullptr) return std::nullopt;
-  const std::vector<std::string> known = keys_of(named->make());
+  const std::vector<std::string> known = keys_of(*named);
   if (section == command.name) return ConfigSection{known, known};
   if (!holds(command.stages, section)) return ConfigSection{known, std::nullopt};
   return ConfigSection{known, keys_of(command, section)};
@@ -82,7 +82,7 @@ int depth_of(const toml::node& value) {
 
 class ConfigReader {
  public:
-  ConfigReader(const std::string& file, const Command& command, const std::vector<CommandName>& all)
+  ConfigReader(const std::string& file, const Command& command, const std::vector<Command>& all)
       : file_(file), command_(command), all_(all) {}
 
   std::vector<ConfigOption> options_of(const toml::table& file) {
@@ -186,7 +186,7 @@ class ConfigReader {
 
   const std::string& file_;
   const Command& command_;
-  const std::vector<CommandName>& all_;
+  const std::vector<Command>& all_;
   std::map<std::string, ConfigSection> rules_;  // by section
   std::vector<Entry> entries_;
   std::map<std::pair<std::string, std::string>, toml::source_index> lines_;  // of a section's key
@@ -250,7 +250,7 @@ std::string in_ascii(std::string_view text, const std::string& file) {
 }  // namespace
 
 std::vector<ConfigOption> config_options(std::string_view text, const std::string& file, const Command& command,
-                                         const std::vector<CommandName>& all) {
+                                         const std::vector<Command>& all) {
   const std::string ascii = in_ascii(text, file);
   try {
     return ConfigReader(file, command, all).options_of(toml::parse(ascii, std::string_view(file)));
@@ -263,7 +263,7 @@ std::vector<ConfigOption> config_options(std::string_view text, const std::strin
 }
 
 CommandLine line_with_config(const std::vector<std::string>& typed, const Command& command,
-                             const std::vector<CommandName>& all) {
+                             const std::vector<Command>& all) {
   CommandLine line{typed, {}};
   const std::optional<std::string> path = typed_value(typed, "--config");
   if (!path || typed.back() == "--config") return line;  // of a value that is missing the parser tells

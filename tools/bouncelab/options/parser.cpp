@@ -3,9 +3,8 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <deque>
-#include <map>
 #include <memory>
+#include <utility>
 
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/text.hpp"
@@ -36,51 +35,33 @@ std::string wrapped(std::string text, std::size_t width) {
 
 std::string in_second_column(const std::string& text) { return wrapped(text, kLine_characters - kNames_characters); }
 
-using MembersByOption = std::map<const CLI::Option*, Option>;
+std::string in_whole_width(const std::string& text) { return wrapped(text, kLine_characters); }
 
-/// CLI11's help with ranges and defaults as our sentences have them.
-class HelpFormat : public CLI::Formatter {
- public:
-  explicit HelpFormat(const MembersByOption& members) : members_(&members) {
-    column_width(kNames_characters);
-    label("SUBCOMMAND", "COMMAND");
-  }
-  std::string make_description(const CLI::App* app) const override {
-    return wrapped(app->get_description(), kLine_characters) + "\n";
-  }
-  std::string make_subcommand(const CLI::App* command) const override {
-    std::ostringstream out;
-    CLI::detail::format_help(out, command->get_name(), in_second_column(command->get_description()), kNames_characters);
-    return out.str();
-  }
-  std::string make_option_opts(const CLI::Option* option) const override {
-    const auto found = members_->find(option);
-    if (found == members_->end()) return "";
-    const std::string value = value_name(*found->second.member);
-    return (value.empty() ? "" : " " + value) + (is_repeated(*found->second.member) ? " ..." : "");
-  }
-  std::string make_option_desc(const CLI::Option* option) const override {
-    const auto found = members_->find(option);
-    if (found == members_->end()) return in_second_column(option->get_description());
-    const Member& member = *found->second.member;
-    std::string facts = member.is_required && !member.is_positional ? "; required" : "";
-    if (const std::string range = range_of(member); !range.empty()) facts += "; " + range;
-    const std::string value = default_text(member, found->second.object);
-    if (!value.empty() && value != "inf" && member.kind != Member::Kind::flag) facts += "; default " + value;
-    return in_second_column(help_of(found->second) + (facts.empty() ? "" : " (" + facts.substr(2) + ")"));
-  }
+/// CLI11's help in columns of our widths.
+std::shared_ptr<CLI::Formatter> help_format() {
+  auto format = std::make_shared<CLI::Formatter>();
+  format->column_width(kNames_characters);
+  format->label("SUBCOMMAND", "COMMAND");
+  return format;
+}
 
- private:
-  const MembersByOption* members_;
-};
+/// What help says of an option: its text, and range and default in brackets.
+std::string text_and_facts(const Option& option) {
+  const Member& member = *option.member;
+  std::string facts = member.is_required && !member.is_positional ? "; required" : "";
+  if (const std::string range = range_of(member); !range.empty()) facts += "; " + range;
+  const std::string value = default_text(member, option.object);
+  if (!value.empty() && value != "inf" && member.kind != Member::Kind::flag) facts += "; default " + value;
+  return help_of(option) + (facts.empty() ? "" : " (" + facts.substr(2) + ")");
+}
 
 /// A parser of the options of some sections, which sets them.
 class Parser {
  public:
   /// @param all  also the options that only --help-all shows
   Parser(const std::vector<Section>& sections, const std::string& summary, const std::string& name, bool all)
-      : sections_(sections), app_(summary, name) {
-    app_.formatter(std::make_shared<HelpFormat>(members_));
+      : sections_(sections), app_(in_whole_width(summary), name) {
+    app_.formatter(help_format());
     app_.set_help_flag("-h,--help", "This help");
     app_.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
     for (const Option& option : options_of(sections_)) add(option, all);
@@ -90,13 +71,12 @@ class Parser {
   Given parse(const std::vector<std::string>& arguments) {
     try {
       app_.parse(std::vector<std::string>{arguments.rbegin(), arguments.rend()});  // CLI11 takes them from the back
+      for (const auto& [added, option] : flags_)
+        if (added->count() > 0) set_option(option, {added->as<bool>() ? "true" : "false"});
     } catch (const CLI::ParseError& error) {
       const std::string unknown = unknown_option(arguments);
       throw WrongUsage(with_quotations(unknown.empty() ? error.what() : unknown, arguments));
     }
-    for (const auto& [added, option] : members_)
-      if (option.member->kind == Member::Kind::flag && added->count() > 0)
-        set_option(option, {added->as<bool>() ? "true" : "false"});
     return given_;
   }
 
@@ -114,14 +94,18 @@ class Parser {
       }
       return true;
     };
-    CLI::Option* added = member.kind == Member::Kind::flag
-                             ? app_.add_flag(name, flags_.emplace_back(), std::string(member.text))
-                             : app_.add_option(name, set, std::string(member.text));
+    const std::string text = in_second_column(text_and_facts(option));
+    CLI::Option* added = nullptr;
+    if (member.kind == Member::Kind::flag) {
+      added = app_.add_flag(name, text);
+      flags_.emplace_back(added, option);
+    } else {
+      added = app_.add_option(name, set, text)->option_text(value_name(member) + (is_repeated(member) ? " ..." : ""));
+    }
     if (is_repeated(member))
       added->expected(1, kMostValues)->allow_extra_args()->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
     added->required(member.is_required);
     if (!section.heading.empty()) added->group(section.heading);
-    members_[added] = option;
   }
 
   void set_option(const Option& option, const std::vector<std::string>& texts) {
@@ -172,8 +156,7 @@ class Parser {
 
   std::vector<Section> sections_;
   CLI::App app_;
-  MembersByOption members_;
-  std::deque<bool> flags_;  // where CLI11 writes them; asked for when all is read
+  std::vector<std::pair<const CLI::Option*, Option>> flags_;  // asked for when all is read
   Given given_;
 };
 
@@ -208,19 +191,18 @@ std::string help_of(const Command& command, bool all) {
 }
 
 std::string help_of_all() {
-  const MembersByOption none;
   CLI::App app{
-      "bouncelab: the coefficient of restitution of a bouncing ball, simulated and from its sound.\n"
-      "bouncelab RECORDING... gives the answer, and a report beside the recording; bouncelab COMMAND --help says more.",
+      in_whole_width("bouncelab: the coefficient of restitution of a bouncing ball, simulated and from its sound.\n"
+                     "bouncelab RECORDING... gives the answer, and a report beside the recording; bouncelab COMMAND "
+                     "--help says more."),
       "bouncelab"};
-  app.formatter(std::make_shared<HelpFormat>(none));
+  app.formatter(help_format());
   app.set_help_flag("-h,--help", "This help");
   app.set_version_flag("--version", "", "Version and commit");
   app.require_subcommand(1);
-  for (const CommandName& command : all_commands()) {
-    const std::string summary = command.make().summary;
-    app.add_subcommand(command.name, summary.substr(0, summary.find('\n')))->group(command.group);
-  }
+  for (const Command& command : all_commands())
+    app.add_subcommand(command.name, in_second_column(command.summary.substr(0, command.summary.find('\n'))))
+        ->group(command.group);
   return app.help();
 }
 

@@ -34,13 +34,6 @@ stages::Given set_options(const Sections& sections, const Arguments& arguments) 
   return given;
 }
 
-template <class Options>
-void complete(const Options&, const stages::Run&) {}
-void complete(stages::SimulateOptions& options, stages::Run& run) {
-  if (options.preset == "paper") stages::apply_paper_preset(options, run);
-}
-void complete(stages::LoopOptions& options, stages::Run& run) { stages::apply_loop_preset(options, run); }
-
 Json json_of(const stages::Option& option) {
   const Member& member = *option.member;
   const bool flag = member.kind == Member::Kind::flag;
@@ -78,9 +71,9 @@ Parsed<Options> parse(const Arguments& arguments) {
   parsed.run.given = set_options(sections, arguments);
   parsed.run.common.quiet = true;
   parsed.run.command_line = {"bouncelab (Python)"};
-  parsed.run.arguments = arguments;
+  if constexpr (requires { stages::apply_preset(parsed.options, parsed.run.given); })
+    stages::apply_preset(parsed.options, parsed.run.given);
   parsed.run.parameters = stages::parameters_of(sections, parsed.run.given);
-  complete(parsed.options, parsed.run);
   return parsed;
 }
 template Parsed<stages::SimulateOptions> parse(const Arguments&);

@@ -76,10 +76,6 @@ Column column_of(const py::handle& values, const ColumnSpec& spec, const std::st
   return {spec.name, numbers_of<double>(array, place)};
 }
 
-std::size_t length(const Column& column) {
-  return std::visit([](const auto& values) { return values.size(); }, column.values);
-}
-
 /// As a WAV has integers: the greatest negative one is -1.
 template <class Integer>
 py::array_t<float> scaled(const py::array& samples) {
@@ -119,10 +115,9 @@ Table table_of(const py::dict& columns, const std::vector<ColumnSpec>& wanted, c
   for (const ColumnSpec& spec : wanted) {
     if (!columns.contains(spec.name)) continue;
     table.columns.push_back(column_of(columns[spec.name.c_str()], spec, what));
-    const std::size_t n = length(table.columns.back()), expected = length(table.columns.front());
-    if (n != expected)
+    if (const std::size_t n = py::len(columns[spec.name.c_str()]); n != table.n_rows())
       throw InvalidArgument(what + ": " + std::to_string(n) + " rows of " + spec.name + ", " +
-                            std::to_string(expected) + " of " + table.columns.front().name);
+                            std::to_string(table.n_rows()) + " of " + table.columns.front().name);
   }
   return table;
 }
@@ -135,10 +130,6 @@ SoundArray::SoundArray(const py::array& samples) : samples_(floats_of(samples)) 
   if (n_channels_ < 1 || n_channels_ > 1024)
     throw InvalidArgument(std::to_string(n_channels_) + " channels; give samples as (frames, channels)");
   if (samples_.size() == 0) throw InvalidArgument("the sound holds no samples");
-}
-
-std::span<const float> SoundArray::samples() const {
-  return {samples_.data(), static_cast<std::size_t>(samples_.size())};
 }
 
 }  // namespace bouncelab::python

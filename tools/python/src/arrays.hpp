@@ -44,7 +44,7 @@ class SoundArray {
 
   int n_channels() const { return n_channels_; }
   /// Interleaved.
-  std::span<const float> samples() const;
+  std::span<const float> samples() const { return {samples_.data(), static_cast<std::size_t>(samples_.size())}; }
 
  private:
   py::array_t<float, py::array::c_style> samples_;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 
-#include <algorithm>
 #include <filesystem>
 #include <optional>
 #include <utility>
@@ -54,7 +53,7 @@ py::dict detected(const stages::Recordings& recordings, std::vector<Note> notes)
   for (const detection::RecordingDetection& r : recordings)
     onsets.insert(onsets.end(), r.found.onsets.begin(), r.found.onsets.end());
   py::dict result;
-  for (Note& note : report::notes_of(recordings, true)) notes.push_back(std::move(note));
+  notes = stages::joined(std::move(notes), report::notes_of(recordings, true));
   report::order(notes);
   result["summary"] = json_text(stages::summary_of(recordings, notes), 2);
   result["columns"] = columns_of(to_table(onsets));
@@ -127,10 +126,7 @@ py::dict detect_files(const std::vector<std::string>& names, const Arguments& ar
     found = loop::detect_all(once, options.config, run.common.n_threads, true,
                              stages::progress_line(run, "detect", once.size() == 1 ? "s of sound" : "recordings"));
   });
-  const auto unreadable = [](const detection::RecordingDetection& r) {
-    return r.found.status == detection::DetectionStatus::unreadable;
-  };
-  if (!found.empty() && std::all_of(found.begin(), found.end(), unreadable))
+  if (stages::readable_of(found).empty())
     throw FileError(found.front().recording,
                     "none of the " + std::to_string(found.size()) +
                         " recordings can be read: " + found.front().found.notes.front().subject);

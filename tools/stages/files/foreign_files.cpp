@@ -32,18 +32,18 @@ void write_label_track(const Run& run, const std::filesystem::path& out, const O
   if (!is_stream(out)) write_table(run, onsets_beside(out), to_table(onsets), inputs);
 }
 
-audio::Annotations read_label_track(const std::filesystem::path& path, const std::string& text) {
-  audio::Annotations labels = audio::parse_audacity_labels(text, input_name(path));
-  const std::filesystem::path beside = onsets_beside(path);
-  if (!std::filesystem::exists(beside)) return labels;
+namespace fs = std::filesystem;
+
+namespace {
+
+/// The labels, completed from the table beside them. @throws FileError naming the place of what is faulty
+audio::Annotations read_label_track(const fs::path& path, const fs::path& beside) {
+  audio::Annotations labels =
+      audio::parse_audacity_labels(decoded_text(whole_content(path), input_name(path)), input_name(path));
   const Onsets onsets = onsets_from_table(read_table(beside, onset_columns()), beside.string());
   if (labels.recording.empty() && !onsets.empty()) labels.recording = onsets.front().recording;
   return audio::completed(labels, onsets);
 }
-
-namespace fs = std::filesystem;
-
-namespace {
 
 std::string head_of(const fs::path& path) {
   std::ifstream in(readable(path), std::ios::binary);
@@ -82,7 +82,7 @@ bool may_be_foreign(const fs::path& path) {
 /// Marks of a sound editor, with what is known of them beside labels of Audacity.
 std::optional<audio::Annotations> marks_of(const fs::path& path, const std::string& tier) {
   const std::string name = input_name(path);
-  if (fs::exists(onsets_beside(path))) return read_label_track(path, decoded_text(whole_content(path), name));
+  if (const fs::path beside = onsets_beside(path); fs::exists(beside)) return read_label_track(path, beside);
   const std::string head = head_of(path);
   if (head.starts_with("RIFF") || head.starts_with("RF64")) return audio::read_cues(path);  // may be hours of sound
   return audio::marks_of_file(whole_content(path), name, tier);

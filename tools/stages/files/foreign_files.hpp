@@ -28,10 +28,6 @@ std::vector<std::filesystem::path> with_onsets_beside(std::vector<std::filesyste
 void write_label_track(const Run& run, const std::filesystem::path& out, const Onsets& onsets,
                        const std::vector<std::filesystem::path>& inputs);
 
-/// The labels, completed from the table beside them where there is one.
-/// @throws FileError naming the place of what is faulty
-audio::Annotations read_label_track(const std::filesystem::path& path, const std::string& text);
-
 /// Onsets of any file: tables as detect writes them are read in pieces; marks of sound editors (Audacity, Sonic
 /// Visualiser, Praat, cue points of a WAV file), and times or intervals in a table of another program, at once.
 /// @param taken_for  a line is added where the file is not ours
@@ -47,8 +43,7 @@ TableReader open_samples(const std::filesystem::path& path, const ForeignOptions
                          std::vector<std::string>& taken_for);
 
 /// Does a table hold speeds, with coefficients of restitution or with the speeds after the bounces, rather than times?
-/// By
-/// --columns, our own titles, or units of speed and none of time or length.
+/// By --columns, our own titles, or units of speed and none of time or length.
 bool holds_speeds(const std::filesystem::path& path, const ForeignOptions& options);
 
 /// Does the file hold times or marks, rather than sound? As audio::holds_times() says, if no rate of samples is given.

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "stages/files/sample_files.hpp"
 
-#include <cstdint>
 #include <limits>
 #include <map>
 #include <system_error>
@@ -110,49 +109,33 @@ RestitutionSamples read_one(const fs::path& path, const std::string& columns, st
 
 using TakeRecording = std::function<void(RestitutionSamples&&)>;
 
-/// Cuts rows, which come in pieces, into recordings.
-class Cutter {
- public:
-  Cutter(std::string file, RecordingNames& names, TakeRecording take)
-      : file_(std::move(file)), names_(names), take_(std::move(take)) {}
-
-  void add(RestitutionSamples&& rows) {
-    for (RestitutionSample& row : rows) {
-      row.recording = names_.name(row.recording);
-      if (!recording_.empty() && recording_.front().recording != row.recording) finish();
-      recording_.push_back(std::move(row));
-    }
-  }
-  void finish() {
-    if (recording_.empty()) return;
-    const std::string& recording = recording_.front().recording;
-    if (!finished_.insert(recording).second)
-      throw FileError(file_, "the samples of recording '" + printable(recording) +
-                                 "' are not together; sort the table by recording");
-    take_(std::exchange(recording_, {}));
-  }
-
- private:
-  std::string file_;
-  RecordingNames& names_;
-  TakeRecording take_;
-  std::set<std::string> finished_;
-  RestitutionSamples recording_;
-};
-
+/// Cuts the rows of a file, which come in pieces, into recordings.
 void cut_file(const fs::path& path, RecordingNames& names, std::vector<std::string>& taken_for,
               const TakeRecording& take) {
   const std::string name = input_name(path);
-  Cutter cutter(name, names, take);
+  std::set<std::string> finished;
+  RestitutionSamples recording;
+  const auto finish = [&] {
+    if (recording.empty()) return;
+    const std::string& called = recording.front().recording;
+    if (!finished.insert(called).second)
+      throw FileError(
+          name, "the samples of recording '" + printable(called) + "' are not together; sort the table by recording");
+    take(std::exchange(recording, {}));
+  };
   TableReader reader = open_samples(path, {}, taken_for);
   DropsInTurn drops;
   for (bool at_end = false; !at_end;) {
     const Table piece = reader.next(kPiece_rows);
     drops.check(piece, name);
     at_end = piece.n_rows() < kPiece_rows;
-    cutter.add(samples_from_table(piece, name));
+    for (RestitutionSample& row : samples_from_table(piece, name)) {
+      row.recording = names.name(row.recording);
+      if (!recording.empty() && recording.front().recording != row.recording) finish();
+      recording.push_back(std::move(row));
+    }
   }
-  cutter.finish();
+  finish();
 }
 
 }  // namespace

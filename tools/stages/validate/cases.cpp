@@ -131,7 +131,9 @@ void make_sound(const ValidateOptions& options, const std::vector<Case>& cases, 
     quiet.common = common;
     quiet.common.quiet = true;
     for (const loop::Settings& settings : {first_settings, c.settings})
-      for (const auto& [name, value] : settings) set_parameter(quiet.parameters, name, value);
+      for (const auto& [name, value] : settings)
+        for (Parameter& parameter : quiet.parameters)
+          if (parameter.name == name) parameter.values = {value};
     const bool is_own = k == 0 || changes_impacts(c.settings);
     scene.simulate.out = scene.synthesize.impacts = folder / ((is_own ? c : cases.front()).name + ".impacts.csv");
     if (is_own) run_simulate(scene.simulate, quiet);

@@ -12,11 +12,12 @@
 
 namespace bouncelab::stages {
 
-/// A recording and the table of its true times.
+/// A recording and its true times.
 struct Case {
   std::string name;
   std::filesystem::path sound, truth;
   loop::Settings settings;  ///< in which it differs from the first one; none of recordings that there are
+  loop::TrueTimes times{};  ///< of the file `truth`, once that is read
 };
 
 /// To be synthesized in a folder: one recording that differs from the first in nothing, then one for each further value
@@ -37,7 +38,7 @@ loop::TrueTimes read_times(const std::filesystem::path& path, std::vector<std::s
 Onsets read_marks(const std::filesystem::path& path, std::vector<std::string>& taken_for);
 
 /// @throws FileError where a true time is not within the recording; one that cannot be read is left to the detectors
-void check_within(const Case& c, const loop::TrueTimes& truth);
+void check_within(const Case& c);
 
 /// What one detector marked in one recording.
 struct Marks {
@@ -51,7 +52,7 @@ loop::DetectorScore score_of(const loop::TrueTimes& truth, Onsets marked, double
                              bool annotated_only);
 /// @param detector  "builtin", or a command of the shell with {wav} and perhaps {out}
 /// @param folder    absolute, for what is not kept: a detector gets a copy of the recording, since it may overwrite it
-Marks marks_of(const std::string& detector, const Case& c, const loop::TrueTimes& truth, const ValidateOptions& options,
+Marks marks_of(const std::string& detector, const Case& c, const ValidateOptions& options,
                const std::filesystem::path& folder);
 
 }  // namespace bouncelab::stages

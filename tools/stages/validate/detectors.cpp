@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <cctype>
-#include <cmath>
 #include <ctime>
 #include <string_view>
 
@@ -176,15 +175,15 @@ Onsets read_marks(const fs::path& path, std::vector<std::string>& taken_for) {
   return are_times && !are_labels ? onsets_of_lines(lines) : read_times(path, taken_for).onsets;
 }
 
-void check_within(const Case& c, const loop::TrueTimes& truth) {
+void check_within(const Case& c) {
   double duration_s = 0.0;
   try {
     duration_s = duration_of(c.sound);
   } catch (const FileError&) {
     return;
   }
-  for (std::size_t k = 0; k < truth.onsets.size(); ++k)
-    if (const double t_s = truth.onsets[k].t_s; t_s < 0.0 || t_s > duration_s)
+  for (std::size_t k = 0; k < c.times.onsets.size(); ++k)
+    if (const double t_s = c.times.onsets[k].t_s; t_s < 0.0 || t_s > duration_s)
       throw FileError(c.truth.string(), fmt::format("row {}: {:g} s is not within {}, of {:g} s; give seconds from its "
                                                     "begin, of this recording",
                                                     k + 1, t_s, printable(c.sound.string()), duration_s));
@@ -204,8 +203,7 @@ loop::DetectorScore score_of(const loop::TrueTimes& truth, Onsets marked, double
   return loop::score_detector(truth, marked, duration_s, processor_s);
 }
 
-Marks marks_of(const std::string& detector, const Case& c, const loop::TrueTimes& truth, const ValidateOptions& options,
-               const fs::path& folder) {
+Marks marks_of(const std::string& detector, const Case& c, const ValidateOptions& options, const fs::path& folder) {
   Marks marks;
   double duration_s = 0.0;
   const ScratchFolder scratch(folder);
@@ -223,7 +221,7 @@ Marks marks_of(const std::string& detector, const Case& c, const loop::TrueTimes
     marks.failure = replaced(error.what(), scratch.path().string() + "/", "");  // the same in every run
     marks.processor_s = duration_s = 0.0;                                       // it has neither speed nor silence
   }
-  marks.score = score_of(truth, marks.onsets, duration_s, marks.processor_s, options.annotated_only);
+  marks.score = score_of(c.times, marks.onsets, duration_s, marks.processor_s, options.annotated_only);
   return marks;
 }
 

@@ -5,8 +5,6 @@
 #include <vamp/vamp.h>
 
 #include <algorithm>
-#include <array>
-#include <charconv>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -20,6 +18,7 @@
 
 #include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/onsets.hpp"
+#include "bouncelab/core/text.hpp"
 #include "bouncelab/detection/detect.hpp"
 #include "bouncelab/fit/restitution.hpp"
 
@@ -57,20 +56,6 @@ class RecordingBuffer {
   std::vector<float> samples_;
 };
 
-/// The shortest decimal number that is this float: 9.81, not 9.8100004, which the user never typed.
-std::string decimal(float value) {
-  std::array<char, 64> text{};
-  const auto end = std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::fixed).ptr;
-  return {text.data(), end};
-}
-
-/// Of a decimal number, whatever the host's locale is.
-double number_of(const std::string& text) {
-  double number = 0.0;
-  std::from_chars(text.data(), text.data() + text.size(), number);
-  return number;
-}
-
 /// An option of the library as a parameter, by the option's name without '_'.
 template <class Config>
 Vamp::Plugin::ParameterDescriptor parameter_of(std::string_view option, const char* name, const char* unit) {
@@ -85,7 +70,7 @@ Vamp::Plugin::ParameterDescriptor parameter_of(std::string_view option, const ch
     parameter.description = member.text;
     parameter.minValue = static_cast<float>(member.least);
     parameter.maxValue = static_cast<float>(member.greatest);
-    parameter.defaultValue = static_cast<float>(number_of(default_text(member, &config)));
+    parse_number(default_text(member, &config), parameter.defaultValue);
     parameter.isQuantized = member.kind == Member::Kind::integer;
     parameter.quantizeStep = 1.0F;
   }
@@ -181,7 +166,12 @@ class RecordingPlugin : public Vamp::Plugin {
     parameters_.push_back(parameter);
     values_.push_back(parameter.defaultValue);
   }
-  double gravity_mps2() const { return number_of(decimal(getParameter("gravity"))); }
+  /// 9.81, not the 9.8100004 of a float, which the user never typed.
+  double gravity_mps2() const {
+    double g_mps2 = 0.0;
+    parse_number(number_text(getParameter("gravity")), g_mps2);
+    return g_mps2;
+  }
 
   /// An output whose features have times of their own. @param n_values  of each feature, 0 or 1
   static OutputDescriptor output(const char* identifier, const char* name, const char* description, const char* unit,
@@ -348,7 +338,7 @@ class RestitutionPlugin : public RecordingPlugin {
     const auto kind_number = static_cast<std::size_t>(getParameter("ball"));
     if (kind_number == 0) return std::nullopt;
     const BallKind& kind = ball_kinds()[kind_number - 1];
-    return ball_from_text(kind.diameter_m ? kind.name : kind.name + ":" + decimal(getParameter("diameter")) + "mm");
+    return ball_from_text(kind.diameter_m ? kind.name : kind.name + ":" + number_text(getParameter("diameter")) + "mm");
   }
 };
 

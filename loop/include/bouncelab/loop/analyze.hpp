@@ -74,16 +74,17 @@ std::vector<detection::RecordingDetection> detect_all(const std::vector<std::fil
 ///         what `progress` throws
 /// @return without samples where no impact was found
 Analysis analyze(const std::vector<std::filesystem::path>& recordings, const AnalyzeConfig& config,
-                 const StageProgress& progress = {});
+                 const StageProgress& progress = no_progress);
 
 /// What follows detection: of impact times alone, from another program for instance.
-Analysis analyze_times(Onsets onsets, const AnalyzeConfig& config, const StageProgress& progress = {});
+Analysis analyze_times(Onsets onsets, const AnalyzeConfig& config, const StageProgress& progress = no_progress);
 /// Of coefficients of restitution that others measured.
-Analysis analyze_samples(RestitutionSamples samples, const AnalyzeConfig& config, const StageProgress& progress = {});
+Analysis analyze_samples(RestitutionSamples samples, const AnalyzeConfig& config,
+                         const StageProgress& progress = no_progress);
 /// Sound of the channel of a recording in which impacts were found.
 using SoundOf = std::function<audio::AudioSource(const detection::RecordingDetection&)>;
 /// What follows detection: of recordings whose impacts are known, by hand for instance, or whose sound is in memory.
 Analysis analyze_found(std::vector<detection::RecordingDetection> recordings, const AnalyzeConfig& config,
-                       const SoundOf& sound_of, const StageProgress& progress = {});
+                       const SoundOf& sound_of, const StageProgress& progress = no_progress);
 
 }  // namespace bouncelab::loop

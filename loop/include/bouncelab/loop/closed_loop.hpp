@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -22,21 +22,8 @@
 
 namespace bouncelab::loop {
 
-/// How drops become sound: one recording each, all with the same gain and noise level.
-struct DropRecording {
-  synthesis::SynthesisConfig config;  ///< one channel; positions drawn, one for each drop
-  synthesis::Levels levels;
-  std::shared_ptr<const synthesis::Instrument> instrument;
-  /// The recordings are kept in this folder, which must exist, as BALL.0017.flac; files there are replaced. Absent:
-  /// they are not kept.
-  std::optional<std::filesystem::path> folder;
-};
-
-constexpr std::int64_t kDropsForLevels = 40;
-/// Gain and noise are chosen for the first drops (up to kDropsForLevels): the weakest impact of so many has the SNR of
-/// the configuration.
-/// @throws InvalidArgument where there is more than one channel
-DropRecording drop_recording(const synthesis::SynthesisConfig& config, const Impacts& impacts);
+/// Of whoever does not want to see the progress.
+inline ProgressCallback no_progress(const std::string&, const std::string&) { return {}; }
 
 /// One recording, of a drop or of all: its true impact times and those detected in its sound.
 struct RecordingResult {
@@ -47,29 +34,13 @@ struct RecordingResult {
   double sound_s = 0.0;  ///< length of the recording
 };
 
-/// Synthesizes the sound of each drop and detects the impacts in it, in parallel, through memory.
-/// @param ball       names the recordings, BALL.0017.flac
-/// @param n_threads  0: all cores
-/// @param progress   in drops
-/// @return ordered by drop; the same for any number of threads
-std::vector<RecordingResult> run_drops(const Impacts& impacts, const std::string& ball, const DropRecording& recording,
-                                       int n_threads, const ProgressCallback& progress = {});
-
-/// All drops in one file, one after the other: what they have in common is learned of all.
-/// @param file      .wav or .flac; replaced where it is there
-/// @param progress  of the synthesis, in seconds of sound
-/// @return without times; detect_together finds them
-RecordingResult synthesize_together(const Impacts& impacts, const synthesis::SynthesisConfig& config,
-                                    const std::filesystem::path& file, const ProgressCallback& progress = {});
-/// @param progress  in seconds of sound
-void detect_together(RecordingResult& result, int n_threads, const ProgressCallback& progress = {});
-
 /// The detected onsets, one recording after the other.
 Onsets onsets_of(const std::vector<RecordingResult>& recordings);
-/// The true times as onsets.
-Onsets true_onsets_of(const std::vector<RecordingResult>& recordings);
 /// The truth with all its columns.
 Table truth_table_of(const std::vector<RecordingResult>& recordings);
+
+/// Speeds at which truth and results are compared [m/s]: slow, middle and fast impacts of a drop from 10 cm.
+inline constexpr std::array kNodeSpeeds_mps{0.25, 0.6, 1.2};
 
 /// The closed loop: simulate -> synthesize -> detect -> restitution -> fit. Defaults: 40 drops of the paper's ball on
 /// glass, recorded at 96 kHz with a signal-to-noise ratio of 30 dB.
@@ -85,9 +56,9 @@ struct LoopConfig {
   bool with_smooth_ball = false;  ///< also the same ball without asperities, kRoughDropsPerSmoothDrop times fewer
   bool with_direct = true;        ///< also the fit to the simulation itself, without any measurement
   bool with_memory = false;       ///< also the fit with memory, to the true and to the detected times
-  std::optional<std::filesystem::path> sound_folder;  ///< as DropRecording::folder
-  /// Speeds at which truth and results are compared [m/s]: slow, middle and fast impacts of a drop from 10 cm.
-  std::vector<double> node_speeds_mps{0.25, 0.6, 1.2};
+  /// The recordings of the drops are kept in this folder, which must exist, as rough.0017.flac; files there are
+  /// replaced. Absent: they are not kept.
+  std::optional<std::filesystem::path> sound_folder;
   int n_threads = 0;  ///< 0: all cores; results do not depend on it
 };
 
@@ -107,7 +78,6 @@ struct LoopResult {
   BallResult rough;
   sim::BallSection section;                ///< of the rough ball
   std::vector<sim::EnergyShares> shares;   ///< of the rough ball
-  sim::EnergyLedger energy;                ///< of the rough ball
   std::vector<sim::Reservoir> reservoirs;  ///< of the rough ball, after each impact
   BallResult smooth;                       ///< without recordings where it was not asked for
   RestitutionSamples samples_direct;       ///< eq. 12 of the paper: macroscopic eps of the simulation, no sound
@@ -121,7 +91,7 @@ struct LoopResult {
 
 /// Runs the loop with all data in memory but for the one recording.
 /// @throws InvalidArgument naming the setting that is out of range, FileError (disk full), what `progress` throws
-LoopResult run_loop(const LoopConfig& config, const StageProgress& progress = {});
+LoopResult run_loop(const LoopConfig& config, const StageProgress& progress = no_progress);
 
 /// Length of the sound of all drops [s].
 double sound_s(const LoopResult& loop);

@@ -78,9 +78,8 @@ constexpr double kPaperPause_s = 0.3;
 /// A slope of p(eps), from the simulation itself and from its sound.
 struct SlopePair {
   fit::Estimate simulation, sound;
-  double ratio = 1.0;  ///< sound over simulation
 };
-/// {simulation, sound, ratio}
+/// {simulation, sound, ratio}, the ratio of the sound over the simulation
 Value as_value(const SlopePair& pair);
 
 struct SlopeWindow {

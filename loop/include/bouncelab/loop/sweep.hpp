@@ -53,8 +53,7 @@ Description members_of(const SweepPoint*);
 ///   - no impact was found, fewer than 99 % of the impacts were found, or more than 1 % of those found are none;
 ///   - eps at a node, from sound, is further from that from the true times than the standard error of the latter;
 ///   - a slope of p(eps), from sound, differs by more than a tenth from that from the true times.
-/// @param node_speeds_mps  speeds at which eps is compared [m/s], as in the configuration of the loop
-SweepPoint sweep_point(Settings settings, const LoopResult& loop, const std::vector<double>& node_speeds_mps);
+SweepPoint sweep_point(Settings settings, const LoopResult& loop);
 
 /// A column for each setting, each number, and the failure in words (named `trouble`). All points of one sweep; at
 /// least one.

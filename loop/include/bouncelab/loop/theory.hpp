@@ -2,7 +2,6 @@
 /// The simulation beside theory: its scatter in closed form, its reservoir from sound.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -47,7 +46,8 @@ struct ScatterTheory {
   std::vector<ExpectedSlopes> slopes;
   std::vector<ExpectedDensity> densities;
   std::size_t n_transforms = 0;
-  std::array<std::size_t, 20> transform_counts{};  ///< of the simulated impacts, by twentieths of the transform
+  /// Of the simulated impacts, by twentieths of the transform.
+  std::vector<std::size_t> transform_counts = std::vector<std::size_t>(20);
 };
 Description members_of(const ScatterTheory*);
 

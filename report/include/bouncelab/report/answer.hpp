@@ -179,13 +179,13 @@ std::string points_json(const fit::BetweenRecordings& between, const std::vector
 
 /// Something that the paper concludes from its figures, put to the numbers of one experiment.
 struct Conclusion {
-  std::string claim;                  ///< "p(eps) is not normal"
-  std::string measure;                ///< what `value` is
-  std::optional<double> value;        ///< absent where the data do not reach
-  std::optional<fit::Interval> ci95;  ///< of `value`, where it has one
-  std::string criterion;              ///< when the claim is said to hold
+  std::string claim;                    ///< "p(eps) is not normal"
+  std::string measure;                  ///< what `value` is
+  std::string criterion;                ///< when the claim is said to hold
+  std::optional<double> value{};        ///< absent where the data do not reach
+  std::optional<fit::Interval> ci95{};  ///< of `value`, where it has one
   bool holds = false;
-  std::string detail;  ///< the numbers behind, in words
+  std::string detail{};  ///< the numbers behind, in words
 };
 Description members_of(const Conclusion*);
 
