@@ -42,7 +42,7 @@ constexpr double kLeastProbability = 1e-2;  // that the score counts for what wa
 struct Recording {
   std::string name;
   std::vector<std::unique_ptr<std::vector<float>>> samples;  // of each channel
-  mutable std::vector<BandsOfChannel> channels;              // searched once, when read
+  std::vector<std::vector<BandOfChannel>> channels;          // in bands, searched for candidates when read
   std::optional<std::vector<double>> truth_s;                // absent where there is no ball
   double duration_s = 0.0;
   bool is_held_out = false;
@@ -78,8 +78,9 @@ Recording read(const std::filesystem::path& path) {
     std::vector<float>& samples =
         *r.samples.emplace_back(std::make_unique<std::vector<float>>(static_cast<std::size_t>(sound.n_samples)));
     sound.read(0, samples);
-    BandsOfChannel& bands = r.channels.emplace_back(audio::source_in_memory(samples, sound.rate_hz));
-    for (std::size_t b = 0; b < bands.size(); ++b) (void)bands[b];  // searched once
+    std::vector<BandOfChannel>& bands =
+        r.channels.emplace_back(bands_of(audio::source_in_memory(samples, sound.rate_hz)));
+    for (std::size_t b = 0; b < bands.size(); ++b) find_candidates_of(bands, b);
   }
   return r;
 }
@@ -119,18 +120,18 @@ struct Found {
 };
 
 Found find(const Recording& r) {
-  std::optional<ChannelTracks> best;
-  std::size_t channel = 0;
+  SearchedChannel best;
   for (std::size_t c = 0; c < r.channels.size(); ++c) {
-    ChannelTracks here = find_tracks_in(r.channels[c]);
-    if (!best || here.log_odds() > best->log_odds()) best = std::move(here), channel = c;
+    SearchedChannel here = search_channel(r.channels[c]);
+    here.channel = c;
+    if (c == 0 || here.bands[here.best].log_odds() > best.bands[best.best].log_odds()) best = std::move(here);
   }
   Found found;
-  found.candidates = &r.channels[channel][best->band].candidates;
-  for (const Track& track : best->tracks)
+  found.candidates = &r.channels[best.channel][best.best].candidates;
+  found.tracks = std::move(best.bands[best.best].tracks);
+  for (const Track& track : found.tracks)
     for (const TrackImpact& impact : track.impacts)
       found.marks.push_back({(*found.candidates)[impact.candidate].t_s, 1.0 / (1.0 + std::exp(-track.log_odds))});
-  found.tracks = std::move(best->tracks);
   return found;
 }
 

@@ -31,74 +31,51 @@ BOUNCELAB_MODEL ChannelModel kChannels;
 /// Poles of the models of a channel: enough for the strongest twenty-odd modes of a plate; more gain nothing in noise.
 constexpr int kArOrder = 48;
 
-/// One channel, whole or the low frequencies of it, and what may be impacts there.
+/// One channel, whole or the low frequencies of it, what may be impacts there, and the balls' tracks of those.
 struct BandOfChannel {
-  audio::AudioSource sound;
+  audio::AudioSource sound{};
   int decimation = 1;  ///< of the recording's sampling rate; 1 = all frequencies
-  ArModels models;
-  std::vector<Candidate> candidates;
-  SameSource same_source;
-  std::optional<double> elastic_flight_s{};  ///< Observation::elastic_flight_s
+  ArModels models{};   ///< without filter where the band is not searched yet
+  std::vector<Candidate> candidates{};
+  SameSource same_source{};
+  std::vector<Track> tracks{};
+
+  double log_odds() const;  ///< of all tracks
+};
+
+/// A channel in bands, and the one of them that its drops are taken from.
+struct SearchedChannel {
+  std::size_t channel = 0;  ///< of those to choose from
+  std::vector<BandOfChannel> bands;
+  std::size_t best = 0;  ///< band where the tracks are the most probable
 };
 
 /// All frequencies, those below 2 kHz and those below 500 Hz: rubber balls are faint above 1.5 kHz, a basketball above
-/// 300 Hz. Each is searched for candidates, after those above it, when it is first asked for.
-class BandsOfChannel {
- public:
-  /// @param sound      may be read by several threads where n_threads is not 1
-  /// @param n_threads  that search it
-  /// @param elastic_flight_s  Observation::elastic_flight_s
-  explicit BandsOfChannel(audio::AudioSource sound, int n_threads = 1, ProgressCallback progress = {},
-                          std::optional<double> elastic_flight_s = {});
-  explicit BandsOfChannel(std::vector<BandOfChannel> searched);
-  std::size_t size() const { return bands_.size(); }
-  BandOfChannel& operator[](std::size_t band);
+/// 300 Hz. None is searched yet, and the lower ones have no sound.
+std::vector<BandOfChannel> bands_of(audio::AudioSource sound);
 
- private:
-  void search(std::size_t b);
+/// Searches a band for candidates, after those before it, of which the next one gives its sound.
+/// @param bands      of bands_of(); the sound may be read by several threads where n_threads is not 1
+/// @param n_threads  that search
+void find_candidates_of(std::vector<BandOfChannel>& bands, std::size_t b, int n_threads = 1,
+                        const ProgressCallback& progress = {});
 
-  int n_threads_ = 1;
-  ProgressCallback progress_;
-  std::vector<BandOfChannel> bands_;
-  std::size_t n_searched_ = 0;
-};
-
-/// The tracks of a channel, in the band where they are most probable.
-struct ChannelTracks {
-  struct OfBand {
-    std::size_t band = 0;
-    std::vector<Track> tracks;
-  };
-  std::size_t band = 0;
-  std::vector<Track> tracks;
-  std::vector<OfBand> others;  ///< of the other bands that were searched and have any
-  /// The impacts are nearly all that rises in the whole band, and none is faint: there is nothing else to find.
-  bool is_clear = false;
-  double log_odds() const;
-};
-
-/// Lower bands are not searched where the tracks of the whole band are clear.
-ChannelTracks find_tracks_in(BandsOfChannel& bands);
-
-/// The channel that detection is from.
-struct ChosenChannel {
-  std::size_t channel = 0;  ///< of those to choose from
-  BandOfChannel band;
-  std::vector<BandOfChannel> other_bands;  ///< of found.others
-  ChannelTracks found;
-};
+/// Searches bands for candidates, where that is not done yet, and these for tracks, one band after the other; none that
+/// is lower where the tracks of the whole band are clear: where the impacts are nearly all that rises and none is faint
+/// there is nothing else.
+/// @param elastic_flight_s  Observation::elastic_flight_s; the rest as of find_candidates_of()
+SearchedChannel search_channel(std::vector<BandOfChannel> bands, std::optional<double> elastic_flight_s = {},
+                               int n_threads = 1, const ProgressCallback& progress = {});
 
 /// Chooses the channel whose tracks are the most probable; of those that have recorded the same ball, that in which its
 /// impacts rise the most (is_preferred); of equal ones the first.
-/// @param channels   at least one; sources that may be read by several threads where n_threads is not 1
-/// @param n_threads  that search
-/// @param elastic_flight_s  Observation::elastic_flight_s
-ChosenChannel choose_channel(std::span<const audio::AudioSource> channels, int n_threads,
-                             const ProgressCallback& progress, std::optional<double> elastic_flight_s = {});
+/// @param channels   at least one; the rest as of search_channel()
+SearchedChannel choose_channel(std::span<const audio::AudioSource> channels, std::optional<double> elastic_flight_s,
+                               int n_threads, const ProgressCallback& progress);
 
 /// Whether one channel is to be preferred to another: the one of the more probable tracks; where both have recorded the
 /// same ball, the one in which its impacts rise the more, since that makes their times accurate.
-bool is_preferred(const BandOfChannel& band, const ChannelTracks& found, const BandOfChannel& other_band,
-                  const ChannelTracks& other);
+/// @param band, other  the best of either
+bool is_preferred(const BandOfChannel& band, const BandOfChannel& other);
 
 }  // namespace bouncelab::detection

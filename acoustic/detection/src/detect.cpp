@@ -35,11 +35,11 @@ NoiseSpectrum noise_spectrum(const BandOfChannel& found) {
   return spectrum;
 }
 
-void summarize_tracks(const BandOfChannel& band, const std::vector<Track>& tracks, RecordingSummary& summary) {
+void summarize_tracks(const BandOfChannel& band, RecordingSummary& summary) {
   summary.n_candidates = static_cast<std::int64_t>(band.candidates.size());
-  summary.n_drops = static_cast<std::int64_t>(tracks.size());
+  summary.n_drops = static_cast<std::int64_t>(band.tracks.size());
   std::vector<double> eps;
-  for (const Track& track : tracks)
+  for (const Track& track : band.tracks)
     for (std::size_t k = 1; k + 1 < track.impacts.size(); ++k)
       if (const std::optional<double> eps_of_impact = eps_at(band.candidates, track, k)) eps.push_back(*eps_of_impact);
   if (eps.empty()) return;
@@ -172,9 +172,9 @@ Detection detect_in(const std::vector<audio::AudioSource>& channels, std::vector
   }
   std::optional<double> elastic_flight_s;
   if (config.drop_height_m) elastic_flight_s = std::sqrt(8.0 * *config.drop_height_m / config.gravity_mps2);
-  ChosenChannel best = choose_channel(searched, n_threads, progress, elastic_flight_s);
+  SearchedChannel best = choose_channel(searched, elastic_flight_s, n_threads, progress);
   const audio::AudioSource& sound = searched[best.channel];
-  const BandOfChannel& band = best.band;
+  BandOfChannel& band = best.bands[best.best];
   Detection d;
   d.summary.rate_hz = sound.rate_hz;
   d.summary.n_channels = n_channels;
@@ -184,27 +184,29 @@ Detection detect_in(const std::vector<audio::AudioSource>& channels, std::vector
   d.summary.duration_s = static_cast<double>(channels.front().n_samples) / sound.rate_hz;
   d.summary.noise_rms = std::sqrt(band.models.noise.quiet_variance);
   std::vector<double> impacts_s;
-  for (const Track& track : best.found.tracks)
+  for (const Track& track : band.tracks)
     for (const TrackImpact& impact : track.impacts) impacts_s.push_back(band.candidates[impact.candidate].t_s);
   const ClippingLimits limits = find_clipping_limits(sound, impacts_s);
-  const auto drops_of = [&](const BandOfChannel& of, const std::vector<Track>& tracks) {
+  const auto drops_of = [&](const BandOfChannel& of) {
     return BandOfDrops{.sound = of.sound,
                        .whole = of.decimation == 1 ? std::nullopt : std::optional(sound),
                        .noise = of.models.noise,
                        .candidates = of.candidates,
-                       .tracks = tracks,
+                       .tracks = of.tracks,
                        .limits = limits,
                        .recorded_rms_hz = {}};
   };
   std::vector<BandOfDrops> other_bands;
-  for (std::size_t k = 0; k < best.other_bands.size(); ++k)
-    other_bands.push_back(drops_of(best.other_bands[k], best.found.others[k].tracks));
-  TimedRecording timed =
-      time_recording(drops_of(band, best.found.tracks), other_bands, config.gravity_mps2, n_threads, name);
+  const auto add_other = [&](const BandOfChannel& other) {
+    if (!other.tracks.empty()) other_bands.push_back(drops_of(other));
+  };
+  for (std::size_t b = best.best; b-- > 0;) add_other(best.bands[b]);  // what is nearest is added first
+  for (std::size_t b = best.best + 1; b < best.bands.size(); ++b) add_other(best.bands[b]);
+  TimedRecording timed = time_recording(drops_of(band), other_bands, config.gravity_mps2, n_threads, name);
   d.onsets = std::move(timed.onsets);
-  const std::size_t n_short = leave_out_short(config.min_impacts, d.onsets, best.found.tracks);
-  d.drops = summarize_drops(d.onsets, best.found.tracks);
-  summarize_tracks(band, best.found.tracks, d.summary);
+  const std::size_t n_short = leave_out_short(config.min_impacts, d.onsets, band.tracks);
+  d.drops = summarize_drops(d.onsets, band.tracks);
+  summarize_tracks(band, d.summary);
   if (!d.onsets.empty()) {
     d.wave = std::move(timed.wave);
     d.summary.contact_time_at_1_mps_s = timed.contact_time_at_1_mps_s;

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstddef>
-#include <utility>
 #include <vector>
 
 #include "candidate_rows.hpp"
@@ -35,19 +34,5 @@ inline detection::BandOfChannel band_of(const std::vector<detection::Candidate>&
 
 inline const std::vector<detection::Candidate> kBall = candidates_of({});
 inline constexpr double kFull_hz = 44100.0, kMiddle_hz = 4e3, kLow_hz = 1e3;
-
-struct Channel {
-  std::vector<detection::BandOfChannel> bands;
-  detection::ChannelTracks found;
-};
-inline Channel channel_of(detection::BandsOfChannel bands) {
-  detection::ChannelTracks found = find_tracks_in(bands);
-  Channel channel{{}, std::move(found)};
-  for (std::size_t b = 0; b < bands.size(); ++b) channel.bands.push_back(bands[b]);
-  return channel;
-}
-inline Channel channel_of(std::vector<detection::BandOfChannel> bands) {
-  return channel_of(detection::BandsOfChannel(std::move(bands)));
-}
 
 }  // namespace bouncelab::test

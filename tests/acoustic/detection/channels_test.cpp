@@ -22,8 +22,6 @@ namespace {
 // Which channel of a recording is taken, and in which band of it the tracks are found.
 
 using test::band_of;
-using test::Channel;
-using test::channel_of;
 using test::kBall;
 using test::kFull_hz;
 using test::kLow_hz;
@@ -51,15 +49,17 @@ std::vector<float> with_noise(std::vector<float> x, double rms, std::uint64_t se
   return x;
 }
 
-ChosenChannel chosen_of(const std::vector<std::vector<float>>& channels) {
+SearchedChannel chosen_of(const std::vector<std::vector<float>>& channels) {
   std::vector<audio::AudioSource> sources;
   for (const std::vector<float>& x : channels) sources.push_back(audio::source_in_memory(x, kFull_hz));
-  return choose_channel(sources, 1, {});
+  return choose_channel(sources, {}, 1, {});
 }
 
-std::size_t n_impacts(const ChosenChannel& channel) {
+const BandOfChannel& best_of(const SearchedChannel& channel) { return channel.bands[channel.best]; }
+
+std::size_t n_impacts(const SearchedChannel& channel) {
   std::size_t n = 0;
-  for (const Track& track : channel.found.tracks) n += track.impacts.size();
+  for (const Track& track : best_of(channel).tracks) n += track.impacts.size();
   return n;
 }
 
@@ -73,7 +73,7 @@ TEST(ChannelChoice, OfTheSameBallTheLouderOrCleanerChannelIsChosenWhicheverIsThe
   const std::vector<float> noisy = with_noise(ball(), 2e-2, 3);
   for (const std::vector<float>& other : {far, noisy})
     for (const std::size_t n : {0U, 1U}) {
-      const ChosenChannel chosen = chosen_of(n == 0 ? std::vector{near, other} : std::vector{other, near});
+      const SearchedChannel chosen = chosen_of(n == 0 ? std::vector{near, other} : std::vector{other, near});
       EXPECT_EQ(chosen.channel, n);
       EXPECT_EQ(n_impacts(chosen), 12U * 40U);
     }
@@ -89,19 +89,18 @@ TEST(ChannelChoice, AChannelWithoutABallIsNotChosen) {
 TEST(ChannelChoice, OfEqualChannelsTheFirstIsChosen) {
   const std::vector<float> x = with_noise(ball(), 2e-3, 1), silence(static_cast<std::size_t>(kFull_hz), 0.0F);
   EXPECT_EQ(chosen_of({x, x}).channel, 0U);
-  const ChosenChannel silent = chosen_of({silence, silence, silence});
+  const SearchedChannel silent = chosen_of({silence, silence, silence});
   EXPECT_EQ(silent.channel, 0U);
   EXPECT_EQ(n_impacts(silent), 0U);
 }
 
-bool is_preferred(const Channel& a, const Channel& b) {
-  return is_preferred(a.bands[a.found.band], a.found, b.bands[b.found.band], b.found);
-}
+/// Of one band, with the tracks there.
+BandOfChannel searched(const BandOfChannel& band) { return search_channel({band}).bands[0]; }
 
 TEST(ChannelChoice, AChannelWithoutTheBallIsNeverPreferred) {
-  const Channel with_ball = channel_of({band_of(kBall, kFull_hz, 10.0)});
-  ASSERT_EQ(with_ball.found.tracks.size(), 1u);
-  const Channel silent = channel_of({band_of({}, kFull_hz)});
+  const BandOfChannel with_ball = searched(band_of(kBall, kFull_hz, 10.0));
+  ASSERT_EQ(with_ball.tracks.size(), 1u);
+  const BandOfChannel silent = searched(band_of({}, kFull_hz));
   EXPECT_FALSE(is_preferred(silent, with_ball));
   EXPECT_TRUE(is_preferred(with_ball, silent));
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
@@ -111,7 +110,7 @@ TEST(ChannelChoice, AChannelWithoutTheBallIsNeverPreferred) {
     for (int k = 0; k < 30; ++k)
       sounds.push_back(test::candidate(random.uniform(0.0, 10.0), 1e4 * std::exp(random.normal())));
     test::sort_by_time(sounds);
-    const Channel other = channel_of({band_of(sounds, kFull_hz, 1e4)});
+    const BandOfChannel other = searched(band_of(sounds, kFull_hz, 1e4));
     EXPECT_FALSE(is_preferred(other, with_ball)) << seed;
     EXPECT_TRUE(is_preferred(with_ball, other)) << seed;
   }
@@ -123,36 +122,20 @@ TEST(ChannelTracks, AreThoseOfALowBandWhereOnlyThatHasTheBall) {
     std::vector<BandOfChannel> bands{band_of(few, kFull_hz), band_of({}, kMiddle_hz), band_of({}, kLow_hz)};
     bands[0].candidates.back().log_likelihood_ratio = 12.0;  // the next are below the noise
     bands[low] = band_of(kBall, low == 1 ? kMiddle_hz : kLow_hz);
-    const ChannelTracks found = channel_of(bands).found;
-    EXPECT_EQ(found.band, low);
-    ASSERT_EQ(found.tracks.size(), 1u);
-    EXPECT_EQ(found.tracks[0].impacts.size(), kBall.size());
+    const SearchedChannel found = search_channel(bands);
+    EXPECT_EQ(found.best, low);
+    ASSERT_EQ(best_of(found).tracks.size(), 1u);
+    EXPECT_EQ(best_of(found).tracks[0].impacts.size(), kBall.size());
   }
-}
-
-TEST(ChannelTracks, ADropThatAnotherBandShowsByItselfJoinsWithTheImpactsThatRiseHere) {
-  const std::vector<Candidate> later = test::candidates_of({.first_s = 12.0});
-  const std::vector<Candidate> some{later[0], later[1], later[3]};  // which are no ball's by themselves
-  const auto channel = channel_of({band_of(test::joined(kBall, some), kFull_hz), band_of(later, kLow_hz)});
-  EXPECT_EQ(channel.found.band, 0u);
-  ASSERT_EQ(channel.found.tracks.size(), 2u);
-  std::vector<std::size_t> candidates;
-  std::vector<std::int64_t> numbers;
-  for (const TrackImpact& impact : channel.found.tracks[1].impacts) {
-    candidates.push_back(impact.candidate - kBall.size());
-    numbers.push_back(impact.impact);
-  }
-  EXPECT_EQ(candidates, (std::vector<std::size_t>{0, 1, 2}));
-  EXPECT_EQ(numbers, (std::vector<std::int64_t>{0, 1, 3}));
 }
 
 TEST(ChannelTracks, LowerBandsAreNotSearchedWhereTheyHaveNothingToAdd) {
   const std::vector<Candidate> longer = test::candidates_of({.n_impacts = 14});
   std::vector<BandOfChannel> bands{band_of(kBall, kFull_hz), band_of(longer, kMiddle_hz)};
-  EXPECT_EQ(channel_of(bands).found.band, 0u);
+  EXPECT_EQ(search_channel(bands).best, 0u);
   bands[0].candidates.push_back(test::candidate(4.3, 100.0));  // what is no impact may hide some
   bands[0].same_source = test::alike(bands[0].candidates.size());
-  EXPECT_EQ(channel_of(bands).found.band, 1u);
+  EXPECT_EQ(search_channel(bands).best, 1u);
 }
 
 TEST(ChannelTracks, ASoftBallIsFoundInALowBandOfItsSound) {
@@ -162,14 +145,14 @@ TEST(ChannelTracks, ASoftBallIsFoundInALowBandOfItsSound) {
     test::add_modal_sound(x, kFull_hz, impact.t_s, 1e-3 * impact.amplitude,
                           test::equal_modes({90.0, 170.0, 260.0, 400.0}, 15e-3, 0.2));
   test::add_noise(x, 0.05, 1);
-  const Channel channel = channel_of(BandsOfChannel(audio::source_in_memory(x, kFull_hz)));
+  const SearchedChannel channel = search_channel(bands_of(audio::source_in_memory(x, kFull_hz)));
   ASSERT_EQ(channel.bands.size(), 3u);
   EXPECT_EQ(channel.bands[0].decimation, 1);
   EXPECT_EQ(channel.bands[1].decimation, 11);
   EXPECT_EQ(channel.bands[2].decimation, 44);
-  EXPECT_GT(channel.found.band, 0u);
-  ASSERT_EQ(channel.found.tracks.size(), 1u);
-  EXPECT_GE(channel.found.tracks[0].impacts.size(), 7u);
+  EXPECT_GT(channel.best, 0u);
+  ASSERT_EQ(best_of(channel).tracks.size(), 1u);
+  EXPECT_GE(best_of(channel).tracks[0].impacts.size(), 7u);
 }
 
 /// Log odds of three impacts in a lower band that are heard as these sounds; of no track nothing.
@@ -182,7 +165,7 @@ double log_odds_of_three(const std::array<test::ModalSound, 3>& sounds, std::uin
   BandOfChannel band = band_of(impacts, kMiddle_hz);
   band.sound = audio::source_in_memory(x, kMiddle_hz);
   band.models = learn_ar_models(band.sound, kArOrder);
-  return channel_of({band_of({}, kFull_hz), band}).found.log_odds();
+  return best_of(search_channel({band_of({}, kFull_hz), band})).log_odds();
 }
 
 TEST(ChannelTracks, ThreeImpactsThatSoundAlikeAreMoreProbableThanThreeThatDoNot) {

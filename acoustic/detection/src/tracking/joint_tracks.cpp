@@ -6,12 +6,11 @@
 //     repeat, with all of the last ball known, its first half, or its second; of the three results the most probable:
 //             B = the longest ball in the sounds that are no impacts of `balls`, and at the same time
 //             search A, B ... anew, each in the sounds that are no impacts of the others, until none changes
-//             keep B if all together are more probable than without it, than one ball, one rhythm, or the tracks found
-//             one by one, and B is neither an echo, one of many reflections, nor a codec's noise before impacts of A,
+//             keep B if all together are more probable than without it, than one ball, or the tracks found one by one,
+//             and B is neither an echo, one of many reflections, nor a codec's noise before impacts of A,
 //             nor the rattling of a loose plate
 //     if there are several: they take the place of the tracks found one by one
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <iterator>
 #include <optional>
@@ -20,7 +19,6 @@
 
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/numerics.hpp"
-#include "tracking/hypothesis.hpp"
 #include "tracking/tracker.hpp"
 #include "tracking/tracking_model.hpp"
 
@@ -192,27 +190,6 @@ double log_odds_of_rattling(const Observations& o, const std::vector<Follower>& 
   return kTracking.rattle_log_odds + of_amplitudes + of_times;
 }
 
-/// Log odds against clutter of a rhythm of all these sounds.
-double log_odds_of_rhythm(const Observations& o, const std::vector<Track>& tracks,
-                          const std::vector<std::size_t>& explained) {
-  std::vector<Observation> sounds;
-  for (const std::size_t k : impacts_of(tracks)) sounds.push_back(o.without(k, explained));
-  const auto interval_s = [&](std::size_t n) { return std::max(kShortestFlight_s, sounds[n].t_s - sounds[n - 1].t_s); };
-  Rhythm rhythm(log(interval_s(1)), 0.5 * (sounds[0].log_amplitude + sounds[1].log_amplitude));
-  std::array<double, kRhythmKinds> sum{};
-  sum.fill(sounds[0].log_odds_of_first);
-  double most = -HUGE_VAL;
-  for (std::size_t n = 2; n < sounds.size(); ++n) {
-    const Observation& next = sounds[n];
-    const auto densities = rhythm.follow(interval_s(n), next.log_amplitude, hypot(next.sigma_s, sounds[n - 1].sigma_s));
-    for (std::size_t kind = 0; kind < kRhythmKinds; ++kind) {
-      sum[kind] += next.log_rise_odds + log(densities[kind] / clutter_intensity(next.neighbours, interval_s(n)));
-      most = std::max(most, sum[kind]);
-    }
-  }
-  return most + kTracking.rhythm_log_odds - kTracking.start_log_odds;
-}
-
 /// Whether most sounds of the shorter track are next to impacts of the other: a codec puts noise
 /// before an attack, at a time that depends on where its block begins, and tracks of both mix them.
 bool are_beside(const Observations& o, const Track& a, const Track& b) {
@@ -236,8 +213,7 @@ bool are_set_off_by(const Observations& o, const Track& ball, const Track& other
                   log_odds_of_rattling(o, followers, explained)) > log_odds;
 }
 
-/// Sets the log odds of balls at once: each against chance and rhythms, and all together against what else their sounds
-/// may be.
+/// Sets the log odds of balls at once: each against chance and rhythms, and all together against fewer balls.
 /// @param tracks    found one by one
 /// @param proposal  the ball that they began with
 /// @return of all together against chance; absent where one is less probable than not
@@ -260,8 +236,7 @@ std::optional<double> log_odds_together(const Observations& o, const std::vector
   if (are_set_off_by(o, proposal, rest, less, explained)) return {};
   for (const Track& track : tracks)
     if (is_any_during(o, balls, track)) one_by_one += std::max(0.0, log_odds_of(o, track, {}).ball);
-  const double against = log_of_sum(std::max(one, one_by_one), log_odds_of_rhythm(o, balls, explained));
-  for (Track& ball : balls) ball.log_odds = std::min(ball.log_odds, together - against);
+  for (Track& ball : balls) ball.log_odds = std::min(ball.log_odds, together - std::max(one, one_by_one));
   const bool are_probable =
       std::all_of(balls.begin(), balls.end(), [](const Track& ball) { return ball.log_odds > 0.0; });
   return are_probable ? std::optional(together) : std::nullopt;

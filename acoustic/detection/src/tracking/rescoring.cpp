@@ -52,6 +52,17 @@ struct OwnSounds {
   std::vector<std::size_t> explained;   ///< these, their echoes, and what other tracks explain, rising
   std::vector<Observation> seen;        ///< of each
   std::vector<double> same_source;      ///< weight of one source of each and the next
+  std::vector<int> n_missing;           ///< impacts between each and the next that were not detected
+
+  /// Takes a hypothesis from impact n up to another. @return whether a ball does that
+  bool follow(std::size_t n, std::size_t last, Hypothesis& h) const {
+    for (; n < last; ++n) {
+      const auto step = h.step_to(seen[n + 1], n_missing[n], same_source[n], false);
+      if (!step) return false;
+      h.take(*step, seen[n + 1]);
+    }
+    return true;
+  }
 };
 
 OwnSounds own_sounds(const Observations& o, const Track& track, const std::vector<std::size_t>& by_others) {
@@ -60,7 +71,9 @@ OwnSounds own_sounds(const Observations& o, const Track& track, const std::vecto
   own.explained = united(explained_by(o, track), by_others);
   for (std::size_t n = 0; n < own.candidates.size(); ++n) {
     own.seen.push_back(o.without(own.candidates[n], own.explained));
-    if (n > 0) own.same_source.push_back(o.same_source(own.candidates[n - 1], own.candidates[n]));
+    if (n == 0) continue;
+    own.same_source.push_back(o.same_source(own.candidates[n - 1], own.candidates[n]));
+    own.n_missing.push_back(static_cast<int>(track.impacts[n].impact - track.impacts[n - 1].impact - 1));
   }
   return own;
 }
@@ -181,12 +194,7 @@ std::vector<std::size_t> explained_by_others(const Observations& o, const std::v
 LogOdds log_odds_of(const Observations& o, const Track& track, const std::vector<std::size_t>& by_others) {
   const OwnSounds own = own_sounds(o, track, by_others);
   Hypothesis h = Hypothesis::begin(own.seen[0], own.seen[1], own.same_source[0], false);
-  for (std::size_t n = 2; n < own.seen.size(); ++n) {
-    const auto n_missing = static_cast<int>(track.impacts[n].impact - track.impacts[n - 1].impact - 1);
-    const auto step = h.step_to(own.seen[n], n_missing, own.same_source[n - 1], false);
-    if (!step) return {};
-    h.take(*step, own.seen[n]);
-  }
+  if (!own.follow(1, own.seen.size() - 1, h)) return {};
   const double less = kTracking.unexplained * n_unexplained(o, own);
   return {h.log_odds_of_losing_ball() - less, h.log_odds_of_ball() - less};
 }
@@ -267,10 +275,9 @@ class Alternatives {
     up_to_.reserve(number_.size());
     up_to_.push_back(begun(0, 1));
     for (std::size_t n = 2; n < size(); ++n) {
-      const std::optional<Step> step = step_to(up_to_.back(), n - 1, n, -INFINITY);
-      if (!step) break;
-      up_to_.push_back(up_to_.back());
-      up_to_.back().take(*step, own_.seen[n]);
+      Hypothesis h = up_to_.back();
+      if (!own_.follow(n - 1, n, h)) break;
+      up_to_.push_back(h);
     }
   }
 
@@ -335,13 +342,7 @@ class Alternatives {
   /// Log weight of a hypothesis that has reached impact n, over as many more of the track's.
   double followed(Hypothesis h, std::size_t n, std::size_t n_more) const {
     const std::size_t last = std::min(size() - 1, n + n_more);
-    if (n == last) return h.log_odds - log_odds(n);
-    for (;;) {
-      const std::optional<Step> step = step_to(h, n, n + 1, -INFINITY);
-      if (!step) return -INFINITY;
-      if (++n == last) return step->log_odds - log_odds(last);
-      h.take(*step, own_.seen[n]);
-    }
+    return own_.follow(n, last, h) ? h.log_odds - log_odds(last) : -INFINITY;
   }
 
   /// The same of what a step makes of a hypothesis, if it is possible.

@@ -86,7 +86,7 @@ std::vector<Track> rescored(const Observations& observations, std::vector<Track>
 
 /// Puts balls that bounce at the same time in the place of tracks that hold sounds of several. Each is searched among
 /// the sounds that the others leave, in turns, until none changes. They are taken where together they are more probable
-/// than one ball, than the tracks that there are, and than a rhythm of all their sounds.
+/// than one ball and than the tracks that there are.
 /// @param tracks  one after the other in time; then in the order of their first impacts
 void add_balls_at_once(const Observations& observations, std::vector<Track>& tracks);
 
