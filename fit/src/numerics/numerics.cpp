@@ -183,7 +183,7 @@ Maximum maximise(const LogLikelihood& loglik, const Eigen::VectorXd& start, cons
   if (!std::isfinite(result.loglik)) return result;
   const Eigen::MatrixXd white = whitening(information, 1e-6);
   Eigen::VectorXd y = Eigen::VectorXd::Zero(start.size());
-  const auto* cost = new WhitenedCost(loglik, start, white, {y, transposed_product(white, gradient), result.loglik});
+  auto* const cost = new WhitenedCost(loglik, start, white, {y, transposed_product(white, gradient), result.loglik});
   ceres::GradientProblem problem(cost);
   ceres::GradientProblemSolver::Summary summary;
   silence_ceres();

@@ -219,8 +219,8 @@ SampleConditions conditions_of(const RestitutionConfig& config) {
 
 }  // namespace
 
-RestitutionInPieces::RestitutionInPieces(RestitutionConfig config)
-    : config_(std::move(config)), conditions_(conditions_of(config_)) {
+RestitutionInPieces::RestitutionInPieces(const RestitutionConfig& config)
+    : config_(config), conditions_(conditions_of(config)) {
   check(config_);
 }
 
