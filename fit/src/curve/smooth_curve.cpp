@@ -311,7 +311,7 @@ void SmoothCurve::describe_deviation(const Sum& sum) {
   struct Moments {
     double mean = 0.0, variance = 0.0, within = 0.0, with_eps = 0.0, at_best = 0.0;  ///< within: of a term alone
   };
-  const auto moments = [&](Eigen::Index of, bool AirAndContact::*has) {
+  const auto moments = [&](Eigen::Index of, const bool AirAndContact::*has) {
     const Eigen::Index column = static_cast<Eigen::Index>(sum.x.size()) + of;
     Moments m;
     double weights = 0.0, eps = 0.0, weights_of_best = 0.0;
