@@ -17,21 +17,17 @@ namespace bouncelab::fit {
 namespace {
 
 /// The law of one constant.
-LawFitConfig viscoelastic(LawFitConfig config, const LawFit& fitted) {
+LawFitConfig viscoelastic(LawFitConfig config) {
   config.kind = LawKind::viscoelastic;
-  config.n_goodness = 0;
-  config.node_speeds_mps.clear();
-  for (const NodeEstimate& node : fitted.nodes) config.node_speeds_mps.push_back(node.v_mps);
   return config;
 }
 
-MemoryFitConfig with_memory(const FitConfig& config, const LawFit& main) {
+MemoryFitConfig with_memory(const FitConfig& config) {
   MemoryFitConfig memory;
   memory.kind = config.law.kind;
   memory.orders = config.law.orders;
   memory.seed = config.law.seed;
   memory.n_goodness = config.n_goodness;
-  for (const NodeEstimate& node : main.nodes) memory.node_speeds_mps.push_back(node.v_mps);
   return memory;
 }
 
@@ -76,22 +72,12 @@ void widen_law(Fit& law, const LawModel& model, const Eigen::VectorXd& q, const 
   }
 }
 
-/// Values q of a law that was fitted.
-Eigen::VectorXd values_of(const LawModel& model, const LawFit& fit) {
-  if (model.kind == LawKind::viscoelastic) return Eigen::VectorXd::Constant(1, log(fit.parameters[0].estimate.value));
-  if (model.kind == LawKind::constant) return Eigen::VectorXd::Constant(1, fit.parameters[0].estimate.value);
-  Eigen::VectorXd q(model.n_parameters());
-  for (Eigen::Index j = 0; j < q.size(); ++j)
-    q[j] = restitution(*fit.law, model.node_v_mps[static_cast<std::size_t>(j)]);
-  return q;
-}
-
 /// Whether the law describes the samples, and what drag and contact time leave open of it.
 void look_beside(const SmoothCurve& curve, LawFit& law, const LawFitConfig& config, MemoryFit* memory,
-                 const std::vector<double>& speeds_mps) {
+                 const RestitutionSamples& samples) {
   if (!law.law || law.parameters.empty()) return;
-  const LawModel model = make_law_model(law.kind, config.orders, speeds_mps);
-  const Eigen::VectorXd q = values_of(model, law);
+  const LawModel model = make_law_model(law.kind, config.orders, speeds_of(samples));
+  const Eigen::VectorXd q = model.values_of(*law.law);
   const LawBeside beside = curve.beside(model, q, law.scatter);
   law.misfit = beside.misfit;
   widen_law(law, model, q, beside.covariance);
@@ -215,29 +201,25 @@ FitResult fit_on_these_threads(const RestitutionSamples& samples, const FitConfi
   const RestitutionSamples& used = prepared.used();
   if (prepared.curve) result.curve = prepared.curve->curve();
   step();
-  const OrderedSamples ordered = ordered_by_speed(used);
-  result.law = fit_law(used, ordered, main_law(config, result.curve));
+  result.law = fit_law(used, main_law(config, result.curve));
   step();
   if (config.memory != UseMemory::never) {
     // the impacts as they followed each other, outliers among them: where one is missing a chain ends
     if (config.memory == UseMemory::always || drops_are_long(used))
-      result.memory = fit_memory(used, result.law, with_memory(config, result.law));
+      result.memory = fit_memory(used, result.law, with_memory(config));
     step();
   }
   // what the law cannot explain would widen every other fit
   const PartOfSamples kept(used, result.law.outliers);
-  const OrderedSamples ordered_kept = result.law.outliers.empty() ? ordered : ordered_by_speed(*kept);
-  LawFit sphere = config.law.kind == LawKind::viscoelastic
-                      ? result.law
-                      : fit_law(*kept, ordered_kept, viscoelastic(config.law, result.law));
+  LawFit sphere = config.law.kind == LawKind::viscoelastic ? result.law : fit_law(*kept, viscoelastic(config.law));
   step();
   describe_scatter(result, *kept, prepared, config);
   step();
   compare_parts(result, used, config);
   step();
   if (prepared.curve) {
-    look_beside(*prepared.curve, result.law, config.law, result.memory ? &*result.memory : nullptr, ordered.data.v_mps);
-    look_beside(*prepared.curve, sphere, config.law, nullptr, ordered_kept.data.v_mps);
+    look_beside(*prepared.curve, result.law, config.law, result.memory ? &*result.memory : nullptr, used);
+    look_beside(*prepared.curve, sphere, config.law, nullptr, *kept);
   }
   result.constants = constants_of(result, sphere);
   if (result.curve) hand_off(result, used.front().conditions, config.dem_speed_mps);

@@ -72,16 +72,16 @@ void print_density() {
 /// Value and gradient of the log-likelihood of a law in exponentials and timing errors, as a search asks for them.
 void print_likelihood(double noise_at_1mps, const std::string& timing) {
   testing::SyntheticRun run;
-  const fit::OrderedSamples ordered =
-      fit::ordered_by_speed(testing::independent_samples(run, 64000, 0.2, 1.4, noise_at_1mps));
-  const fit::LawModel model = fit::make_law_model(fit::LawKind::series, {2, 4, 5}, ordered.data.v_mps);
-  const fit::ScatterFamily family{fit::ScatterKind::asymmetric_laplace, 3, 0.6, 0.01};
-  const fit::LawLikelihood likelihood(ordered.data, model, family);
-  const Eigen::VectorXd theta = fit::start_values(ordered.data, model, family);
+  const RestitutionSamples samples = testing::independent_samples(run, 64000, 0.2, 1.4, noise_at_1mps);
+  const fit::LawData data = fit::law_data(samples, fit::by_speed(samples));
+  const fit::LawModel model = fit::make_law_model(fit::LawKind::series, {2, 4, 5}, data.v_mps);
+  const fit::ScatterFamily family{false, 3, 0.6, 0.01};
+  const fit::LawLikelihood likelihood(data, model, family);
+  const Eigen::VectorXd theta = fit::start_values(*fit::first_look(data, model), family);
   Eigen::VectorXd gradient;
   const double all_s = bench::least_s([&] { sink = likelihood(theta, &gradient); }, 20, 0.0);
   bench::print_line("fit", "likelihood of a sample, timing noise " + timing, "with its gradient",
-                    all_s / static_cast<double>(ordered.data.size()), "s");
+                    all_s / static_cast<double>(data.size()), "s");
 }
 
 void fit_samples(std::size_t n, double noise_at_1mps, const std::string& timing, const char* folder) {

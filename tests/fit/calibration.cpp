@@ -131,7 +131,7 @@ std::vector<double> bounds(const CalibrationConfig& config, const Scatter& scatt
     data.drop.push_back(0);
   }
   const LawModel model = make_law_model(LawKind::series, orders_of(config.law), data.v_mps);
-  const LawLikelihood likelihood(data, model, {ScatterKind::asymmetric_laplace, kTerms, 1.0});
+  const LawLikelihood likelihood(data, model, {false, kTerms, 1.0});
   const Eigen::Index n_law = model.n_parameters();
   Eigen::VectorXd theta(likelihood.n_parameters());
   for (Eigen::Index j = 0; j < n_law; ++j)
@@ -167,7 +167,7 @@ std::pair<double, double> slope_bounds(const CalibrationConfig& config, const Re
   const LawData data{std::vector(kCopies, v_mps), std::vector(kCopies, restitution(config.law, v_mps)),
                      std::vector(kCopies, timing_error(config, v_mps)), std::vector<std::size_t>(kCopies, 0)};
   const LawModel model = make_law_model(LawKind::constant, {}, data.v_mps);
-  const LawLikelihood likelihood(data, model, {ScatterKind::asymmetric_laplace, 1, v_mps});
+  const LawLikelihood likelihood(data, model, {false, 1, v_mps});
   Eigen::VectorXd theta(3);
   theta << data.eps[0], log(sides.b_below), log(sides.b_above);
   const auto n = static_cast<double>(std::count_if(samples.begin(), samples.end(), [&](const RestitutionSample& s) {

@@ -341,9 +341,6 @@ TEST(LawFit, RejectsBrokenContracts) {
   EXPECT_THROW(fit_law(samples, config), InvalidArgument);
   config.orders = {2, 2};
   EXPECT_THROW(fit_law(samples, config), InvalidArgument);
-  config = {};
-  config.n_scatter_terms = 9;
-  EXPECT_THROW(fit_law(samples, config), InvalidArgument);
   samples[5].v_mps = 0.0;
   EXPECT_THROW(fit_law(samples, {}), InvalidArgument);
 }

@@ -29,15 +29,15 @@ LawData few_samples() {
 TEST(LawLikelihood, GradientIsThatOfItsValueForEveryFamily) {
   const LawData data = few_samples();
   const LawModel model = make_law_model(LawKind::series, {2, 4}, data.v_mps);
-  for (const ScatterKind kind : {ScatterKind::normal_laplace, ScatterKind::asymmetric_laplace})
+  for (const bool has_normal_part : {true, false})
     for (const std::size_t n_terms : {1, 3}) {
-      const LawLikelihood likelihood(data, model, {kind, n_terms, 0.3, 0.01, std::log(0.001)});
+      const LawLikelihood likelihood(data, model, {has_normal_part, n_terms, 0.3, 0.01, std::log(0.001)});
       Eigen::VectorXd theta = Eigen::VectorXd::Zero(likelihood.n_parameters());
       theta.head(2) << 0.949, 0.946;
       theta[2] = std::log(0.0015);
       theta[2 + static_cast<Eigen::Index>(n_terms)] = std::log(0.001);
       if (n_terms == 3) theta[3] = -0.3, theta[4] = 0.1;
-      if (kind == ScatterKind::normal_laplace) theta[theta.size() - 1] = 0.2;
+      if (has_normal_part) theta[theta.size() - 1] = 0.2;
       Eigen::VectorXd gradient;
       likelihood(theta, &gradient);
       for (Eigen::Index i = 0; i < theta.size(); ++i) {
@@ -48,7 +48,7 @@ TEST(LawLikelihood, GradientIsThatOfItsValueForEveryFamily) {
         const double slope = (likelihood(ahead, nullptr) - likelihood(behind, nullptr)) / (2.0 * h);
         // rounding of the sum, 1e-13, over h; the cubic between the knots of the peak's offset is good to 1e-7
         EXPECT_NEAR(gradient[i], slope, i < 2 ? 2e-4 * (1.0 + std::abs(slope)) : 1e-5 * (1.0 + std::abs(slope)))
-            << static_cast<int>(kind) << " " << n_terms << " " << i;
+            << has_normal_part << " " << n_terms << " " << i;
       }
     }
 }
@@ -56,7 +56,7 @@ TEST(LawLikelihood, GradientIsThatOfItsValueForEveryFamily) {
 TEST(LawLikelihood, OnlyTheLostBounceIsProbablyLost) {
   const LawData data = few_samples();
   const LawModel model = make_law_model(LawKind::series, {2, 4}, data.v_mps);
-  const LawLikelihood likelihood(data, model, {ScatterKind::asymmetric_laplace, 1, 0.3, 0.01});
+  const LawLikelihood likelihood(data, model, {false, 1, 0.3, 0.01});
   Eigen::VectorXd theta(4);
   theta << 0.949, 0.946, std::log(0.0015), std::log(0.0015);
   const std::vector<double> p = likelihood.probabilities_of_lost(theta);
@@ -84,7 +84,7 @@ TEST(LawLikelihood, InformationIsTheMeanSquareOfTheScores) {
     data.drop.push_back(static_cast<std::size_t>(k));
   }
   const LawModel model = make_law_model(LawKind::constant, {}, data.v_mps);
-  const LawLikelihood likelihood(data, model, {ScatterKind::normal_laplace, 1, 0.5});
+  const LawLikelihood likelihood(data, model, {true, 1, 0.5});
   Eigen::VectorXd theta(4);
   theta << 0.95, std::log(below), std::log(above), rho;
   const Eigen::MatrixXd scores = likelihood.scores_by_drop(theta);

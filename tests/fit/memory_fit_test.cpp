@@ -27,7 +27,6 @@ Fits fitted(const RestitutionSamples& samples, std::size_t n_draws = 150, std::s
   Fits fits;
   fits.independent = fit_law(samples, law);
   MemoryFitConfig config;
-  config.node_speeds_mps = law.node_speeds_mps;
   config.n_draws = n_draws;
   config.n_goodness = n_goodness;
   fits.memory = fit_memory(samples, fits.independent, config);

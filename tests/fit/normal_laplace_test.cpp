@@ -131,15 +131,14 @@ TEST(NormalLaplaceCdf, DifferentiatesToTheDensity) {
 TEST(NormalLaplaceInformation, TendsToTheClosedFormOfTheKink) {
   // 1 / (b_below b_above): what a location is worth, though the log-density has no second derivative there.
   // The loss by a small tau is of first order in tau / b.
-  const auto exact = normal_laplace_information(1.0, 0.6, 0.0);
-  EXPECT_NEAR(exact(0, 0), 1.0 / 0.6, 1e-14);
-  const auto nearly = normal_laplace_information(1.0, 0.6, 1e-4);
-  EXPECT_NEAR(nearly(0, 0) / exact(0, 0), 1.0, 5e-4);
-  EXPECT_NEAR(nearly(0, 1), exact(0, 1), 5e-4);
-  EXPECT_NEAR(nearly(0, 2), exact(0, 2), 5e-4);
-  EXPECT_NEAR(nearly(1, 1), exact(1, 1), 1e-4);
-  EXPECT_NEAR(nearly(1, 2), exact(1, 2), 1e-4);
-  EXPECT_NEAR(nearly(2, 2), exact(2, 2), 1e-4);
+  const double b = 1.0, a = 0.6, p = a / (a + b), q = 1.0 - p;
+  const auto nearly = normal_laplace_information(b, a, 1e-4);
+  EXPECT_NEAR(nearly(0, 0) * b * a, 1.0, 5e-4);
+  EXPECT_NEAR(nearly(0, 1), -1.0 / (a + b), 5e-4);
+  EXPECT_NEAR(nearly(0, 2), 1.0 / (a + b), 5e-4);
+  EXPECT_NEAR(nearly(1, 1), q * (2.0 - q), 1e-4);
+  EXPECT_NEAR(nearly(1, 2), -p * q, 1e-4);
+  EXPECT_NEAR(nearly(2, 2), p * (2.0 - p), 1e-4);
 }
 
 TEST(NormalLaplace, DistributionFunctionOfTheNormalIsThatOfTheStandardLibrary) {

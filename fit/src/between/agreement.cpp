@@ -174,7 +174,6 @@ RecordingFit row_of(const RestitutionSamples& samples, LawFitConfig config, cons
   for (const NodeEstimate& node : pooled.nodes)
     if (node.v_mps >= row.v_lo_mps && node.v_mps <= row.v_hi_mps) config.node_speeds_mps.push_back(node.v_mps);
   if (config.node_speeds_mps.empty()) config.node_speeds_mps = {v[v.size() / 2]};
-  config.n_goodness = 0;
   if (is_one_of_many) {
     constexpr std::size_t kWidthKnown = 30;  // below, fit_law takes one term without a choice
     config.intervals = IntervalMethod::covariance;
@@ -182,13 +181,6 @@ RecordingFit row_of(const RestitutionSamples& samples, LawFitConfig config, cons
   }
   row.law = fit_law(samples, config);
   return row;
-}
-
-/// Offsets about their mean over all samples.
-void add_offsets(const Agreement& agreement, std::vector<RecordingFit>& rows) {
-  auto next = agreement.offsets.begin();
-  for (RecordingFit& row : rows)
-    if (row.law.n + row.law.outliers.size() >= kFewestOfRecording) row.offset = *next++;
 }
 
 }  // namespace
@@ -209,7 +201,9 @@ Recordings compare_recordings(const RestitutionSamples& samples, const LawFitCon
     if (!pooled.law || !pooled.scatter) return;
     if (const auto found = agreement(units_of(recordings, result.rows, config, pooled))) {
       result.test = found->test;
-      add_offsets(*found, result.rows);
+      auto next = found->offsets.begin();
+      for (std::size_t k = 0; k < recordings.size(); ++k)
+        if (recordings[k].size() >= kFewestOfRecording) result.rows[k].offset = *next++;
     }
   });
   return result;
@@ -373,10 +367,7 @@ std::vector<RepeatedDrop> repeated_drops(const RestitutionSamples& samples) {
   const double within = kAlike * scatter.sd;
   // times so coarse are alike of drops that are not
   if (timing_of(samples) > 0.5 * scatter.sd) return {};
-  std::vector<std::size_t> order(samples.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::sort(order.begin(), order.end(),
-            [&](std::size_t a, std::size_t b) { return samples[a].v_mps < samples[b].v_mps; });
+  const std::vector<std::size_t> order = by_speed(samples);
   std::map<std::pair<std::size_t, std::size_t>, std::size_t> alike;
   for (std::size_t i = 0; i < order.size(); ++i)
     for (std::size_t j = i + 1; j < std::min(order.size(), i + 1 + kNeighbours); ++j) {

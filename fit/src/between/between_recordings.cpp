@@ -18,12 +18,7 @@ struct Judged {
   std::vector<Eigen::Index> kept;  ///< rows
   OffsetData data;                 ///< of these
   Deviations deviations{};
-  struct Row {
-    double standardised = 0.0;
-    double p_value = 1.0;  ///< times the number of rows, at most 1
-    bool is_outlier = false;
-  };
-  std::vector<Row> rows;  ///< of all
+  std::vector<RecordingRow> rows;  ///< of all: standardised, p_value, is_outlier
 };
 
 constexpr double kLevel = 0.05;
@@ -45,7 +40,7 @@ Judged judged(const OffsetData& data, const std::vector<bool>& out) {
     const OffsetSolution::Residual residual =
         is_out ? solution.of_another(data.h().row(r), data.m()[r], data.variance[r], data.levels_of(r))
                : solution.without(k++);
-    Judged::Row row;
+    RecordingRow row;
     if (residual.se > 0.0) row.standardised = residual.value / residual.se;
     if (std::abs(row.standardised) > near) {
       const double n_free = errors.degrees_of_freedom_of_a_recording(residual.se);
@@ -266,14 +261,11 @@ void describe_rows(BetweenRecordings& result, const Design& design, const Judged
   const Eigen::VectorXd beta = pool.solution().beta().head(design.n_law);
   for (std::size_t k = 0; k < design.of_row.size(); ++k) {
     const auto r = static_cast<Eigen::Index>(k);
-    RecordingRow& row = result.rows[design.of_row[k]];
+    RecordingRow& row = result.rows[design.of_row[k]] = judged.rows[k];
     row.is_used = true;
     row.offset = design.data.m()[r] - design.data.h_and_m.row(r).head(design.n_law).dot(beta);
     row.eps = result.eps.value + row.offset;
     row.se = std::sqrt(design.data.variance[r]);
-    row.standardised = judged.rows[k].standardised;
-    row.p_value = judged.rows[k].p_value;
-    row.is_outlier = judged.rows[k].is_outlier;
     result.n_outliers += row.is_outlier;
   }
 }

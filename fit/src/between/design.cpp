@@ -2,7 +2,6 @@
 #include "between/offset_model.hpp"
 
 #include <algorithm>
-#include <map>
 #include <set>
 #include <utility>
 
@@ -15,7 +14,7 @@ namespace {
 
 /// A standard deviation from fewer than four differences is known to no better than a factor of three.
 constexpr std::size_t kFewestGroups = 5;
-constexpr std::size_t kFewestRepeats = 5;  // recordings that are not the first of their group
+constexpr std::ptrdiff_t kFewestRepeats = 5;  // recordings that are not the first of their group
 
 /// A recording's own law as Eigen has it: values less 1.
 struct OwnLaw {
@@ -92,25 +91,20 @@ Eigen::VectorXd law_near(const std::vector<OwnLaw>& own, const LawModel& law) {
 }
 
 GroupLabels labels_of(const std::vector<std::string>& name_of_row) {
-  std::map<std::string, int> numbers;
-  for (const std::string& name : name_of_row)
-    if (!name.empty()) numbers.emplace(name, 0);
-  GroupLabels labels;
-  for (auto& [name, number] : numbers) {
-    number = static_cast<int>(labels.names.size());
-    labels.names.push_back(name);
+  std::set<std::string> names(name_of_row.begin(), name_of_row.end());
+  names.erase(std::string());
+  GroupLabels labels{{names.begin(), names.end()}, {}};
+  for (const std::string& name : name_of_row) {
+    const auto found = std::lower_bound(labels.names.begin(), labels.names.end(), name);
+    labels.of_recording.push_back(name.empty() ? -1 : static_cast<int>(found - labels.names.begin()));
   }
-  for (const std::string& name : name_of_row) labels.of_recording.push_back(name.empty() ? -1 : numbers.at(name));
   return labels;
 }
 
-std::size_t n_labelled(const GroupLabels& labels) {
-  return static_cast<std::size_t>(
-      std::count_if(labels.of_recording.begin(), labels.of_recording.end(), [](int k) { return k >= 0; }));
-}
-
 bool is_random(const GroupLabels& labels) {
-  return labels.names.size() >= kFewestGroups && n_labelled(labels) >= labels.names.size() + kFewestRepeats;
+  const auto n_unknown = std::count(labels.of_recording.begin(), labels.of_recording.end(), -1);
+  return labels.names.size() >= kFewestGroups &&
+         std::ssize(labels.of_recording) - n_unknown >= std::ssize(labels.names) + kFewestRepeats;
 }
 
 bool are_the_same(const GroupLabels& a, const GroupLabels& b) {

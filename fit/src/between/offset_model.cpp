@@ -26,11 +26,30 @@ Eigen::MatrixXd inverse_of_positive(const Eigen::MatrixXd& m, double& log_det) {
 OffsetSolution::OffsetSolution(const OffsetData& data, const Deviations& deviations)
     : data_(data), deviations_(deviations) {
   const Eigen::Index n_fixed = data.n_fixed();
-  for (std::size_t g = 0; g < 2; ++g) active_[g] = data.n_levels[g] > 0 && deviations[g + 1] > 0.0;
-  Eigen::MatrixXd products = Eigen::MatrixXd::Zero(n_fixed + 1, n_fixed + 1), both;
+  weights_ = (data.variance.array() + square(deviations[0])).inverse();
+  log_det_ = -weights_.array().log().sum();
+  // with f = [h, m]: f'Wf, Z'Wf and the blocks of M
+  const OffsetData::Rows weighted = weights_.asDiagonal() * data.h_and_m;
+  Eigen::MatrixXd products = data.h_and_m.transpose() * weighted;
   std::array<Eigen::MatrixXd, 2> t;
   std::array<Eigen::VectorXd, 2> d;
-  add_up(products, t, d, both);
+  for (std::size_t g = 0; g < 2; ++g) {
+    active_[g] = data.n_levels[g] > 0 && deviations[g + 1] > 0.0;
+    const int n_levels = active_[g] ? data.n_levels[g] : 0;
+    t[g] = Eigen::MatrixXd::Zero(n_levels, n_fixed + 1);
+    d[g] = Eigen::VectorXd::Constant(n_levels, active_[g] ? 1.0 / square(deviations[g + 1]) : 0.0);
+    if (active_[g]) log_det_ += 2.0 * n_levels * log(deviations[g + 1]);
+  }
+  Eigen::MatrixXd both = Eigen::MatrixXd::Zero(d[0].size(), d[1].size());
+  for (Eigen::Index r = 0; r < data.n(); ++r) {
+    const std::array<int, 2> level = data.levels_of(r);
+    for (std::size_t g = 0; g < 2; ++g) {
+      if (!has(g, level[g])) continue;
+      d[g][level[g]] += weights_[r];
+      t[g].row(level[g]) += weighted.row(r);
+    }
+    if (has(0, level[0]) && has(1, level[1])) both(level[0], level[1]) += weights_[r];
+  }
   for (const double one : d[0]) log_det_ += log(one);
   inverse_ = d[0].cwiseInverse();
   shared_ = inverse_.asDiagonal() * both;
@@ -47,47 +66,6 @@ OffsetSolution::OffsetSolution(const OffsetData& data, const Deviations& deviati
   beta_ = product(covariance_, right);
   sum_of_squares_ = products(n_fixed, n_fixed) + data.within_yy - beta_.dot(right);
   minus_two_log_likelihood_ = log_det_ + log_det_information + sum_of_squares_;
-}
-
-/// f'Wf with f = [h, m], Z'Wf and the blocks of M, in one pass over the rows.
-void OffsetSolution::add_up(Eigen::MatrixXd& products, std::array<Eigen::MatrixXd, 2>& t,
-                            std::array<Eigen::VectorXd, 2>& d, Eigen::MatrixXd& both) {
-  const Eigen::Index n = data_.n(), n_columns = data_.n_fixed() + 1;
-  std::array<int, 2> levels{};
-  for (std::size_t g = 0; g < 2; ++g) {
-    levels[g] = active_[g] ? data_.n_levels[g] : 0;
-    t[g] = Eigen::MatrixXd::Zero(n_columns, levels[g]);  // transposed until the end: a level's numbers lie together
-    d[g] = Eigen::VectorXd::Constant(levels[g], levels[g] > 0 ? 1.0 / square(deviations_[g + 1]) : 0.0);
-    if (levels[g] > 0) log_det_ += 2.0 * levels[g] * log(deviations_[g + 1]);
-  }
-  both = Eigen::MatrixXd::Zero(levels[0], levels[1]);
-  weights_.resize(n);
-  double product = 1.0;
-  for (Eigen::Index r = 0; r < n; ++r) {
-    const double variance = data_.variance[r] + square(deviations_[0]), weight = 1.0 / variance;
-    weights_[r] = weight;
-    product *= variance;
-    if (r % 8 == 7 || r == n - 1) {  // eight variances of eps are far from the least double
-      log_det_ += log(product);
-      product = 1.0;
-    }
-    const double* f = data_.h_and_m.data() + r * n_columns;
-    for (Eigen::Index j = 0; j < n_columns; ++j) {
-      double* column = products.data() + j * n_columns;
-      const double weighted = weight * f[j];
-      for (Eigen::Index i = 0; i <= j; ++i) column[i] += weighted * f[i];
-    }
-    const std::array<int, 2> level = data_.levels_of(r);
-    for (std::size_t g = 0; g < 2; ++g) {
-      if (!has(g, level[g])) continue;
-      d[g][level[g]] += weight;
-      double* column = t[g].data() + level[g] * n_columns;
-      for (Eigen::Index i = 0; i < n_columns; ++i) column[i] += weight * f[i];
-    }
-    if (has(0, level[0]) && has(1, level[1])) both(level[0], level[1]) += weight;
-  }
-  products.triangularView<Eigen::StrictlyLower>() = products.transpose();
-  for (Eigen::MatrixXd& sums : t) sums.transposeInPlace();
 }
 
 double OffsetSolution::effect(std::size_t grouping, int level) const {

@@ -88,8 +88,6 @@ class OffsetSolution {
   bool has(std::size_t grouping, int level) const { return active_[grouping] && level >= 0; }
   /// z' M^-1 z of the levels of a recording.
   double inverse_of(const std::array<int, 2>& level) const;
-  void add_up(Eigen::MatrixXd& products, std::array<Eigen::MatrixXd, 2>& t, std::array<Eigen::VectorXd, 2>& d,
-              Eigen::MatrixXd& both);
 
   const OffsetData& data_;
   Deviations deviations_;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <regex>
 #include <set>
 #include <vector>
 
@@ -87,10 +88,7 @@ RecordingSummary summarize_recording(const RestitutionSamples& samples) {
     summary.status = FitStatus::not_identifiable;
     summary.why = Note{NoteKind::errors_tied};
   }
-  if (fit.scatter) {
-    const double v = v_mps[v_mps.size() / 2], below = fit.scatter->below(v), above = fit.scatter->above(v);
-    summary.scatter = (below * below + above * above) / (below + above);
-  }
+  if (fit.scatter) summary.scatter = fit.scatter->mean_distance(v_mps[v_mps.size() / 2]);
   return summary;
 }
 
@@ -98,112 +96,48 @@ namespace {
 
 constexpr double kSecondsOfDay = 86400.0;
 
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
+/// A regular expression of a time of day, from group 5 on: the hour, then minutes and seconds without separators, then
+/// minutes and seconds with them.
+std::string time_with(const std::string& separators) {
+  return "([01]\\d|2[0-3])(?:([0-5]\\d)([0-5]\\d|60)?|[" + separators + "]([0-5]\\d)(?:[" + separators +
+         "]([0-5]\\d|60))?)";
+}
 
-/// A text from left to right; what does not fit leaves the place where it is.
-class Reader {
- public:
-  Reader(std::string_view text, std::size_t at) : text_(text), at_(at) {}
-
-  std::size_t at() const { return at_; }
-  bool at_end() const { return at_ == text_.size(); }
-  bool at_digit() const { return !at_end() && is_digit(text_[at_]); }
-  std::optional<int> number(std::size_t n_digits) {
-    if (at_ + n_digits > text_.size()) return std::nullopt;
-    int value = 0;
-    for (std::size_t k = at_; k < at_ + n_digits; ++k) {
-      if (!is_digit(text_[k])) return std::nullopt;
-      value = 10 * value + (text_[k] - '0');
-    }
-    at_ += n_digits;
-    return value;
-  }
-  /// One of these characters. @return it, or 0
-  char one_of(std::string_view characters) {
-    if (at_end() || characters.find(text_[at_]) == std::string_view::npos) return '\0';
-    return text_[at_++];
-  }
-  double fraction() {
-    double value = 0.0, unit = 0.1;
-    for (; at_digit(); unit *= 0.1) value += unit * (text_[at_++] - '0');
-    return value;
-  }
-
- private:
-  std::string_view text_;
-  std::size_t at_;
-};
-
-std::optional<std::int64_t> calendar_day(Reader& text, std::string_view separators) {
+/// @param found  year, separator, month, day, and maybe the time. @param more_s  added to the time
+std::optional<RecordingDate> date_of(const std::cmatch& found, double more_s = 0.0) {
   constexpr int kFirstYear = 1990, kLastYear = 2100;
-  const auto year = text.number(4);
-  const char separator = year ? text.one_of(separators) : '\0';
-  const auto month = year ? text.number(2) : year;
-  if (!month || (separator != '\0' && text.one_of(std::string_view(&separator, 1)) == '\0')) return std::nullopt;
-  const auto day = text.number(2);
-  if (!day || *year < kFirstYear || *year > kLastYear) return std::nullopt;
-  const std::chrono::year_month_day date{std::chrono::year(*year), std::chrono::month(static_cast<unsigned>(*month)),
-                                         std::chrono::day(static_cast<unsigned>(*day))};
-  if (!date.ok()) return std::nullopt;
-  return std::chrono::sys_days(date).time_since_epoch().count();
-}
-
-/// Seconds since midnight.
-std::optional<double> time_of_day_s(Reader& text, std::string_view separators) {
-  const auto hour = text.number(2);
-  const char separator = hour ? text.one_of(separators) : '\0';
-  const auto minute = hour ? text.number(2) : hour;
-  if (!minute || *hour > 23 || *minute > 59) return std::nullopt;
-  double second = 0.0;
-  Reader rest = text;
-  if (separator == '\0' || rest.one_of(separators) != '\0')
-    if (const auto s = rest.number(2); s && *s < 61) {
-      second = *s;
-      text = rest;
-    }
-  return 3600.0 * *hour + 60.0 * *minute + second;
-}
-
-RecordingDate date_at(std::int64_t day, std::optional<double> time_s) {
-  return {static_cast<double>(day) + time_s.value_or(0.5 * kSecondsOfDay) / kSecondsOfDay, day};
+  const auto number = [&](std::size_t group) { return found[group].matched ? std::stoi(found[group]) : 0; };
+  const std::chrono::year_month_day date{std::chrono::year(number(1)),
+                                         std::chrono::month(static_cast<unsigned>(number(3))),
+                                         std::chrono::day(static_cast<unsigned>(number(4)))};
+  if (!date.ok() || number(1) < kFirstYear || number(1) > kLastYear) return std::nullopt;
+  const std::int64_t day = std::chrono::sys_days(date).time_since_epoch().count();
+  const double time_s = 3600.0 * number(5) + 60.0 * (number(6) + number(8)) + number(7) + number(9) + more_s;
+  return RecordingDate{static_cast<double>(day) + (found[5].matched ? time_s / kSecondsOfDay : 0.5), day};
 }
 
 }  // namespace
 
 std::optional<RecordingDate> date_from_iso(std::string_view text) {
-  Reader reader(text, 0);
-  const auto day = calendar_day(reader, "-");
-  if (!day) return std::nullopt;
-  if (reader.at_end()) return date_at(*day, std::nullopt);
-  if (reader.one_of("T ") == '\0') return std::nullopt;
-  auto time_s = time_of_day_s(reader, ":");
-  if (!time_s) return std::nullopt;
-  if (reader.one_of(".,") != '\0') *time_s += reader.fraction();
-  if (const char sign = reader.one_of("Z+-"); sign == '+' || sign == '-') {
-    const auto hours = reader.number(2);
-    reader.one_of(":");
-    const auto minutes = reader.at_end() ? std::optional(0) : reader.number(2);
-    if (!hours || !minutes) return std::nullopt;
-    *time_s -= (sign == '+' ? 1.0 : -1.0) * (3600.0 * *hours + 60.0 * *minutes);
-  }
-  if (!reader.at_end()) return std::nullopt;
-  return date_at(*day, time_s);
+  static const std::regex iso(R"((\d{4})(-?)(\d\d)\2(\d\d)(?:[T ])" + time_with(":") +
+                              R"((?:[.,](\d*))?(?:Z|([+-])(\d\d):?(\d\d)?)?)?)");
+  std::cmatch found;
+  if (!std::regex_match(text.begin(), text.end(), found, iso)) return std::nullopt;
+  const auto number = [&](std::size_t group) { return std::stod("0" + found[group].str()); };
+  const double fraction_s = std::stod("0." + found[10].str() + "0"), zone_s = 3600.0 * number(12) + 60.0 * number(13);
+  return date_of(found, fraction_s + (found[11] == "-" ? zone_s : -zone_s));
 }
 
 std::optional<RecordingDate> date_in_name(std::string_view name) {
-  for (std::size_t at = name.size(); at-- > 0;) {
-    if (!is_digit(name[at]) || (at > 0 && is_digit(name[at - 1]))) continue;
-    Reader date(name, at);
-    const auto day = calendar_day(date, "-_");
-    if (!day) continue;
-    Reader time = date;
-    const bool stands_apart = time.one_of("T _-.") != '\0';
-    const auto time_s = time_of_day_s(time, ":-._h");
-    // 20261123999 is no date with a counter behind it but a number
-    const bool is_time = time_s && !time.at_digit();
-    if (!is_time && !stands_apart && date.at_digit()) continue;
-    return date_at(*day, is_time ? time_s : std::nullopt);
-  }
+  // 20261123999 is no date with a counter behind it but a number
+  static const std::regex date(R"((\d{4})([-_]?)(\d\d)\2(\d\d)(?:[T _.-]?)" + time_with("-:._h") + R"((?!\d)|(?!\d)))");
+  const auto is_digit = [&](std::size_t at) { return name[at] >= '0' && name[at] <= '9'; };
+  std::cmatch found;
+  for (std::size_t at = name.size(); at-- > 0;)
+    if (is_digit(at) && (at == 0 || !is_digit(at - 1)) &&
+        std::regex_search(name.data() + at, name.data() + name.size(), found, date,
+                          std::regex_constants::match_continuous))
+      if (const auto found_date = date_of(found)) return found_date;
   return std::nullopt;
 }
 
@@ -214,11 +148,10 @@ std::string day_in_words(std::int64_t calendar_day) {
 }
 
 std::string iso_in_words(const RecordingDate& date) {
-  const auto seconds = static_cast<std::int64_t>(std::llround(date.day * kSecondsOfDay));
-  constexpr std::int64_t kDay_s = 86400;
-  const std::int64_t day = (seconds - (seconds % kDay_s + kDay_s) % kDay_s) / kDay_s;
-  const auto rest = static_cast<int>(seconds - day * kDay_s);
-  return day_in_words(day) + formatted("T%02d:%02d:%02d", rest / 3600, rest / 60 % 60, rest % 60);
+  const std::chrono::seconds seconds(std::llround(date.day * kSecondsOfDay));
+  const auto day = std::chrono::floor<std::chrono::days>(seconds);
+  const auto rest = static_cast<int>((seconds - day).count());
+  return day_in_words(day.count()) + formatted("T%02d:%02d:%02d", rest / 3600, rest / 60 % 60, rest % 60);
 }
 
 Table to_table(const BetweenRecordings& between, const std::vector<CampaignRecording>& recordings) {

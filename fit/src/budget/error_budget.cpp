@@ -119,24 +119,21 @@ void add_shares(BudgetRow& row) {
   row.share_unexplained = 1.0 - (ball + timing + travel) / total;
 }
 
-struct BinMember {
-  double v_mps;
-  const RestitutionSample* sample;
-  double residual;  ///< from the law
-};
-
-BudgetRow budget_row(std::span<const BinMember> bin, const LawFit& law, const BudgetConfig& config,
+/// @param bin        indices of the samples, in order of speed
+/// @param residuals  of the samples from the law
+BudgetRow budget_row(std::span<const std::size_t> bin, const RestitutionSamples& samples,
+                     const std::vector<double>& residuals, const LawFit& law, const BudgetConfig& config,
                      const std::optional<TimingNoise>& timing) {
   BudgetRow row;
   row.n = bin.size();
   const auto n = static_cast<double>(row.n);
-  row.v_mps = bin[bin.size() / 2].sample->v_mps;
+  row.v_mps = samples[bin[bin.size() / 2]].v_mps;
   double squares = 0.0, stated = 0.0, n_stated = 0.0, mean = 0.0;
-  for (const BinMember& member : bin) mean += member.residual / n;
-  for (const BinMember& member : bin) {
-    squares += square(member.residual - mean);
-    if (!member.sample->sigma_eps) continue;
-    stated += square(*member.sample->sigma_eps);
+  for (const std::size_t k : bin) mean += residuals[k] / n;
+  for (const std::size_t k : bin) {
+    squares += square(residuals[k] - mean);
+    if (!samples[k].sigma_eps) continue;
+    stated += square(*samples[k].sigma_eps);
     n_stated += 1.0;
   }
   row.spread = std::sqrt(squares / std::max(1.0, n - 1.0));
@@ -208,16 +205,11 @@ ErrorBudget error_budget(const RestitutionSamples& samples, const LawFit& law, c
   if (!law.law || samples.empty()) return budget;
   const std::vector<double> residuals = residuals_from(*law.law, samples);
   budget.timing = timing_noise(samples, residuals);
-  std::vector<BinMember> by_speed;
-  by_speed.reserve(samples.size());
-  for (std::size_t k = 0; k < samples.size(); ++k) by_speed.push_back({samples[k].v_mps, &samples[k], residuals[k]});
-  std::sort(by_speed.begin(), by_speed.end(), [](const auto& a, const auto& b) {
-    return a.v_mps < b.v_mps || (a.v_mps == b.v_mps && a.sample < b.sample);
-  });
-  const std::size_t n = by_speed.size(), n_bins = std::clamp<std::size_t>(n / 12, 1, 12);
+  const std::vector<std::size_t> rows = by_speed(samples);
+  const std::size_t n = rows.size(), n_bins = std::clamp<std::size_t>(n / 12, 1, 12);
   for (std::size_t j = 0; j < n_bins; ++j)
-    budget.rows.push_back(budget_row(std::span(by_speed).subspan(j * n / n_bins, (j + 1) * n / n_bins - j * n / n_bins),
-                                     law, config, budget.timing));
+    budget.rows.push_back(budget_row(std::span(rows).subspan(j * n / n_bins, (j + 1) * n / n_bins - j * n / n_bins),
+                                     samples, residuals, law, config, budget.timing));
   fit_width(budget);
   return budget;
 }

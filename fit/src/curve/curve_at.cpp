@@ -277,8 +277,7 @@ double CurveAt::ln_evidence(const Gram& gram, std::size_t base, const std::vecto
 LikelyNoise CurveAt::of_all(const LikelyNoise& of_some, const std::function<double(const Noise&)>& evidence) const {
   if (some_.samples.size() == all_.samples.size()) return of_some;
   constexpr double kStep = 0.02;
-  LikelyNoise of = with_likely_s(of_some.noise, kStep, kEnoughForNoise, evidence);
-  return of;
+  return with_likely_s(of_some.noise, kStep, kEnoughForNoise, evidence);
 }
 
 void CurveAt::find_noise(double step, double ln_s) {

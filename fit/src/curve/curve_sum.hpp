@@ -48,14 +48,6 @@ std::vector<FirstFlights> first_flights(const RestitutionSamples& samples);
 /// The speed of the impact that they began with, nearly: by the eps of the impact that ended them.
 double speed_of_first_impact(const FirstFlights& flights);
 
-/// Logarithm of the height of release. The launch u follows from the flight, the speed of
-/// impact 0 is w = u/eps, and a fall through the air from the height lands with it.
-/// @param eps  of impact 0
-double ln_release_height(const FirstFlights& flights, const OneAirAndContact& one, double eps);
-
-/// Heights of the drops of one speed. @param ln_height  that of `flights.v_mps`
-void add_heights(const FirstFlights& flights, const Estimate& ln_height, std::vector<ReleaseHeight>& heights);
-
 /// The rule of the named ball's sport, and the speed with which it falls; absent where no sample is nearly so fast, or
 /// none so slow: in speed a twentieth, in height a tenth, over which eps hardly changes.
 std::optional<Rebound> rebound_within(const RestitutionSamples& samples, const AirAndContact& known);

@@ -26,13 +26,8 @@ std::vector<FirstFlights> first_flights(const RestitutionSamples& samples) {
 
 double speed_of_first_impact(const FirstFlights& flights) { return flights.v_mps / std::clamp(flights.eps, 0.1, 1.0); }
 
-double ln_release_height(const FirstFlights& flights, const OneAirAndContact& one, double eps) {
-  constexpr double kLeastEps = 0.05, kHighest_m = 1e4;  // at its limit speed a ball may come from anywhere
-  const double launch_mps = one.flight_before(flights.v_mps, eps).launch_mps;
-  return log(std::min(kHighest_m, one.fall_height_m(launch_mps / std::max(kLeastEps, eps))));
-}
-
-void add_heights(const FirstFlights& flights, const Estimate& ln_height, std::vector<ReleaseHeight>& heights) {
+/// Heights of the drops of one speed. @param ln_height  that of `flights.v_mps`
+static void add_heights(const FirstFlights& flights, const Estimate& ln_height, std::vector<ReleaseHeight>& heights) {
   const double reach = 0.5 * (ln_height.ci95->hi - ln_height.ci95->lo);
   for (const RestitutionSample& s : flights.samples) {
     // the timing of the flight is an error apart
@@ -73,16 +68,16 @@ std::optional<Rebound> rebound_within(const RestitutionSamples& samples, const A
 /// The logarithm of a height that follows from eps at a speed, at each place linear about what is likely there.
 /// @param j          of the speed
 /// @param ln_height  (what is known, drag and contact time, eps)
-template <class Sum, class LnHeight>
-static std::vector<Quantity> heights_at(const std::vector<CurveAt>& places, const Sum& sum, std::size_t j,
-                                        LnHeight ln_height) {
+/// @param more       (part, its derivative by eps, mean of eps, standard deviation of one bounce) changes a part
+template <class LnHeight, class More>
+Estimate SmoothCurve::height_at(const Sum& sum, std::size_t j, LnHeight ln_height, More more) const {
   const auto column = static_cast<Eigen::Index>(j);
   std::vector<Quantity> of_places;
-  for (std::size_t c = 0; c < places.size(); ++c) {
-    const AirAndContact& known = places[c].known();
-    const Deviation at = places[c].at();
+  for (std::size_t c = 0; c < places_.size(); ++c) {
+    const AirAndContact& known = places_[c].known();
+    const Deviation at = places_[c].at();
     double eps = 0.0, weights = 0.0;
-    for (const auto& term : sum.terms)
+    for (const Term& term : sum.terms)
       if (term.curve == c) weights += term.weight, eps += term.weight * term.mean[column];
     of_places.emplace_back();
     if (!(weights > 0.0)) continue;
@@ -105,40 +100,42 @@ static std::vector<Quantity> heights_at(const std::vector<CurveAt>& places, cons
     if (known.has_drag) add(n_speeds, slope({kStep, 0.0}, 0.0), log(kappa_at_1_mps(known)) + at.ln_kappa);
     if (known.has_contact) add(n_speeds + 1, slope({0.0, kStep}, 0.0), log(known.contact.at_1_mps_s) + at.ln_tau);
   }
-  return of_places;
+  const auto quantity_of = [&](const Term& term) -> const Quantity& { return of_places[term.curve]; };
+  const auto changed = [&](const Term& term, NormalPart& part) {
+    const double one = sum.noises[term.noise].variance(sum.x[j] - places_[term.curve].x_middle());
+    more(part, of_places[term.curve].parts.front().second, term.mean[column], std::sqrt(one));
+  };
+  return stated(parts_of(sum.terms, quantity_of, changed), sum.balls, -50.0, 50.0);
 }
 
-/// @param j  of the speed of the impact that the flights began with
+static constexpr double kLeastEps = 0.05;
+
+/// The launch u follows from the flight, the speed of impact 0 is w = u/eps, and a fall through the air from the height
+/// lands with it. @param j  of the speed of the impact that the flights began with
 void SmoothCurve::describe_heights(const Sum& sum, const FirstFlights& flights, std::size_t j) {
-  const std::vector<Quantity> of_places =
-      heights_at(places_, sum, j, [&](const AirAndContact& known, Deviation at, double eps) {
-        return ln_release_height(flights, OneAirAndContact(known, at), eps);
-      });
-  const auto scatter_too = [&](const Term& term, NormalPart& part) {
-    const double one = sum.noises[term.noise].variance(sum.x[j] - places_[term.curve].x_middle());
-    part.sd = hypot(part.sd, of_places[term.curve].parts.front().second * std::sqrt(one));
+  const auto ln_height = [&](const AirAndContact& known, Deviation at, double eps) {
+    constexpr double kHighest_m = 1e4;  // at its limit speed a ball may come from anywhere
+    const OneAirAndContact one(known, at);
+    const double launch_mps = one.flight_before(flights.v_mps, eps).launch_mps;
+    return log(std::min(kHighest_m, one.fall_height_m(launch_mps / std::max(kLeastEps, eps))));
   };
-  const auto quantity_of = [&](const Term& term) -> const Quantity& { return of_places[term.curve]; };
-  add_heights(flights, stated(parts_of(sum.terms, quantity_of, scatter_too), sum.balls, -50.0, 50.0), curve_.heights);
+  const auto with_scatter = [](NormalPart& part, double by_eps, double, double one_sd) {
+    part.sd = hypot(part.sd, by_eps * one_sd);
+  };
+  add_heights(flights, height_at(sum, j, ln_height, with_scatter), curve_.heights);
 }
 
 /// With the eps that is stated, the root mean square.
 void SmoothCurve::describe_rebound(const Sum& sum, const std::optional<Ball>& ball, Rebound& rebound) {
-  const std::size_t j = sum.x.size() - 1;
-  const std::vector<Quantity> of_places =
-      heights_at(places_, sum, j, [&](const AirAndContact& known, Deviation at, double eps) {
-        constexpr double kLeastEps = 0.05;
-        const AirAndContact of_drop = in_air(known, ball);
-        const OneAirAndContact one(of_drop, at);
-        return log(one.rise_height_m(std::max(kLeastEps, eps) * one.fall_mps(rebound.rule.height_m)));
-      });
-  const auto root_mean_square = [&](const Term& term, NormalPart& part) {
-    const double mean = term.mean[static_cast<Eigen::Index>(j)];
-    const double one = sum.noises[term.noise].variance(sum.x[j] - places_[term.curve].x_middle());
-    part.mean += of_places[term.curve].parts.front().second * (hypot(mean, std::sqrt(one)) - mean);
+  const auto ln_height = [&](const AirAndContact& known, Deviation at, double eps) {
+    const AirAndContact of_drop = in_air(known, ball);
+    const OneAirAndContact one(of_drop, at);
+    return log(one.rise_height_m(std::max(kLeastEps, eps) * one.fall_mps(rebound.rule.height_m)));
   };
-  const auto quantity_of = [&](const Term& term) -> const Quantity& { return of_places[term.curve]; };
-  rebound.height_m = exp_of(stated(parts_of(sum.terms, quantity_of, root_mean_square), sum.balls, -50.0, 50.0));
+  const auto root_mean_square = [](NormalPart& part, double by_eps, double mean, double one_sd) {
+    part.mean += by_eps * (hypot(mean, one_sd) - mean);
+  };
+  rebound.height_m = exp_of(height_at(sum, sum.x.size() - 1, ln_height, root_mean_square));
 }
 
 }  // namespace bouncelab::fit

@@ -311,19 +311,19 @@ void SmoothCurve::describe_deviation(const Sum& sum) {
   struct Moments {
     double mean = 0.0, variance = 0.0, within = 0.0, with_eps = 0.0, at_best = 0.0;  ///< within: of a term alone
   };
-  const auto moments = [&](Eigen::Index of, auto has) {
+  const auto moments = [&](Eigen::Index of, const bool AirAndContact::*has) {
     const Eigen::Index column = static_cast<Eigen::Index>(sum.x.size()) + of;
     Moments m;
     double weights = 0.0, eps = 0.0, weights_of_best = 0.0;
     for (const Term& term : sum.terms)
-      if (has(places_[term.curve].known())) {
+      if (places_[term.curve].known().*has) {
         weights += term.weight, m.mean += term.weight * term.mean[column], eps += term.weight * term.mean[middle];
         if (term.curve == 0) weights_of_best += term.weight, m.at_best += term.weight * term.mean[column];
       }
     m.mean /= weights, eps /= weights;
     m.at_best = weights_of_best > 0.0 ? m.at_best / weights_of_best : m.mean;
     for (const Term& term : sum.terms)
-      if (has(places_[term.curve].known())) {
+      if (places_[term.curve].known().*has) {
         const double off = term.mean[column] - m.mean, weight = term.weight / weights;
         m.within += weight * term.low.col(column).squaredNorm();
         m.variance += weight * off * off;
@@ -333,29 +333,25 @@ void SmoothCurve::describe_deviation(const Sum& sum) {
     return m;
   };
   std::vector<double> variances;
-  /// @param deviation  at the likeliest place, where it has one
-  const auto take = [&](Eigen::Index of, auto has, double ln_known, double prior_sd, std::optional<Estimate>& estimate,
-                        double& share, std::optional<double>& pull, double& deviation) {
+  for (const Eigen::Index of : {0, 1}) {
+    const bool AirAndContact::*has = of == 0 ? &AirAndContact::has_drag : &AirAndContact::has_contact;
     if (std::none_of(sum.terms.begin(), sum.terms.end(),
-                     [&](const Term& term) { return has(places_[term.curve].known()); }))
-      return;
+                     [&](const Term& term) { return places_[term.curve].known().*has; }))
+      continue;
     const Moments m = moments(of, has);
-    estimate = exp_of(normal_estimate(m.mean, std::sqrt(m.variance)));
-    share = std::min(1.0, square(m.with_eps) / (m.variance * variance));
-    if (!has(best)) return;
+    (of == 0 ? curve_.kappa_per_m : curve_.contact_s) = exp_of(normal_estimate(m.mean, std::sqrt(m.variance)));
+    (of == 0 ? curve_.share_of_drag : curve_.share_of_contact) =
+        std::min(1.0, square(m.with_eps) / (m.variance * variance));
+    if (!(best.*has)) continue;
+    const double ln_known = log(of == 0 ? kappa_at_1_mps(best) : best.contact.at_1_mps_s);
+    const double prior2 = square(of == 0 ? best.kappa_spread : best.contact.spread), told = prior2 - m.within;
     // where the samples say next to nothing of it they contradict nothing
     constexpr double kTold = 0.05;
-    if (const double told = square(prior_sd) - m.within; best.is_named && best.ball && told > kTold * square(prior_sd))
-      pull = (m.mean - ln_known) / std::sqrt(told);
+    if (best.is_named && best.ball && told > kTold * prior2)
+      (of == 0 ? curve_.kappa_pull : curve_.contact_pull) = (m.mean - ln_known) / std::sqrt(told);
     variances.push_back(m.variance + square(m.mean - m.at_best));
-    deviation = m.at_best - ln_known;
-  };
-  take(
-      0, [](const AirAndContact& known) { return known.has_drag; }, log(kappa_at_1_mps(best)), best.kappa_spread,
-      curve_.kappa_per_m, curve_.share_of_drag, curve_.kappa_pull, deviation_.ln_kappa);
-  take(
-      1, [](const AirAndContact& known) { return known.has_contact; }, log(best.contact.at_1_mps_s),
-      best.contact.spread, curve_.contact_s, curve_.share_of_contact, curve_.contact_pull, deviation_.ln_tau);
+    (of == 0 ? deviation_.ln_kappa : deviation_.ln_tau) = m.at_best - ln_known;
+  }
   deviation_covariance_ = Eigen::Map<const Eigen::VectorXd>(variances.data(), std::ssize(variances)).asDiagonal();
 }
 

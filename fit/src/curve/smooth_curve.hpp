@@ -59,6 +59,8 @@ class SmoothCurve {
   void describe_scatter(const Sum& sum);
   void describe_deviation(const Sum& sum);
   void describe_step(const Sum& sum, const RestitutionSamples& samples);
+  template <class LnHeight, class More>
+  Estimate height_at(const Sum& sum, std::size_t j, LnHeight ln_height, More more) const;
   void describe_heights(const Sum& sum, const FirstFlights& flights, std::size_t j);
   void describe_rebound(const Sum& sum, const std::optional<Ball>& ball, Rebound& rebound);
 

@@ -69,10 +69,6 @@ DemContact dem_contact(const std::optional<Ball>& ball, const std::optional<Mate
   return contact;
 }
 
-double dissipative_constant_s(const DemContact& contact, double gamma) {
-  return gamma / 1.5 * pow(contact.mass_kg / (contact.k_n_pa * std::sqrt(contact.radius_m)), 0.4);
-}
-
 double damping_to_parting(double eps) {
   const double ln = log(eps);
   return -std::sqrt(5.0) * ln / hypot(ln, kPi);
@@ -184,7 +180,9 @@ std::vector<Snippet> constant_decks(const Decks& decks, double eps) {
 std::vector<Snippet> viscoelastic_decks(const Decks& decks, double gamma, ContactEnd end) {
   const char* const model = "viscoelastic";
   const DemContact& c = decks.contact;
-  const double a_s = dissipative_constant_s(c, gamma);
+  // F_dissipative = 2 A E* sqrt(R xi) dxi/dt, gamma = (3/2) A (rho/m)^(2/5), rho = (4/3) E* sqrt(R): Mueller &
+  // Poeschel, Phys. Rev. E 84, 021302 (2011), doi:10.1103/PhysRevE.84.021302 (its beta is gamma)
+  const double a_s = gamma / 1.5 * pow(c.mass_kg / (c.k_n_pa * std::sqrt(c.radius_m)), 0.4);
   const double eta = 1.5 * a_s * c.k_n_pa / c.mass_kg;  // 2 A E*/m
   const std::string wall = number(eta), pair = number(2.0 * eta);
   if (end == ContactEnd::surfaces)

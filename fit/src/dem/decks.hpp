@@ -43,14 +43,6 @@ struct DemContact {
 /// or whose contacts are not: the paper's, a steel ball of 6 mm on glass.
 DemContact dem_contact(const std::optional<Ball>& ball, const std::optional<Material>& plate, double v_mps);
 
-/// The dissipative constant of the viscoelastic sphere, F_dissipative = 2 A E* sqrt(R xi) dxi/dt, by gamma of eps(v)
-/// [s]:
-///
-///   gamma = (3/2) A (rho/m)^(2/5),   rho = (4/3) E* sqrt(R)
-///
-/// Source: Mueller & Poeschel, Phys. Rev. E 84, 021302 (2011), doi:10.1103/PhysRevE.84.021302 (its beta is gamma).
-double dissipative_constant_s(const DemContact& contact, double gamma);
-
 /// alpha of a contact with a constant eps, m d2xi/dt2 = -k xi^(3/2) - alpha sqrt(m k) xi^(1/4) dxi/dt, that ends where
 /// the surfaces part, xi = 0:  alpha = -sqrt(5) ln eps/sqrt(ln^2 eps + pi^2).
 /// Source: Antypov & Elliott, EPL 94, 50004 (2011), doi:10.1209/0295-5075/94/50004.

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
 
 #include "bouncelab/core/elementary.hpp"
@@ -37,29 +38,11 @@ std::optional<ChiSquareTest> pearson_chi2(const std::vector<double>& u, std::siz
   return result;
 }
 
-namespace {
-
-/// Expected distances of the samples from the curve.
-std::vector<double> expected_distances(const LawData& data, const ScatterModel& scatter) {
-  const ScaleColumns b = scales_at(scatter, data.v_mps);
-  const double of_normal = std::sqrt(2.0 / std::numbers::pi);
-  std::vector<double> expected(data.size());
-  for (std::size_t k = 0; k < data.size(); ++k) {
-    const double below = b.below[k], above = b.above[k];
-    const double tau = hypot(data.tau[k], scatter.normal_ratio * std::sqrt(below * above));
-    // root mean square distance turned into a mean one is exact for tau = 0 and within 6 % for tau >> b
-    expected[k] = hypot((below * below + above * above) / (below + above), tau * of_normal);
-  }
-  return expected;
-}
-
-}  // namespace
-
 std::vector<ResidualBin> residual_bins(const LawLikelihood& likelihood, const Eigen::VectorXd& theta) {
   const std::size_t n = likelihood.data().size();
   const std::size_t n_bins = std::clamp<std::size_t>(n / 12, 1, 24);
   const LawLikelihood::LocationScores of = likelihood.location_scores(theta);
-  const std::vector<double> expected_distance = expected_distances(likelihood.data(), likelihood.scatter_model(theta));
+  const ScatterModel scatter = likelihood.scatter_model(theta);
   std::vector<ResidualBin> bins;
   for (std::size_t j = 0; j < n_bins; ++j) {
     const std::size_t begin = j * n / n_bins, end = (j + 1) * n / n_bins, middle = (begin + end) / 2;
@@ -70,7 +53,9 @@ std::vector<ResidualBin> residual_bins(const LawLikelihood& likelihood, const Ei
     for (std::size_t k = begin; k < end; ++k) {
       bin.mean_residual += of.residual[k] / static_cast<double>(bin.n);
       distance += std::abs(of.residual[k]);
-      expected += expected_distance[k];
+      const double v_mps = likelihood.data().v_mps[k], tau = hypot(likelihood.data().tau[k], scatter.normal(v_mps));
+      // root mean square distance turned into a mean one is exact for tau = 0 and within 6 % for tau >> b
+      expected += hypot(scatter.mean_distance(v_mps), tau * std::sqrt(2.0 / std::numbers::pi));
       score += of.score[k];
     }
     bin.median_residual = upper_median({of.residual.begin() + static_cast<std::ptrdiff_t>(begin),
@@ -84,26 +69,28 @@ std::vector<ResidualBin> residual_bins(const LawLikelihood& likelihood, const Ei
 
 namespace {
 
-LogLikelihood function_of(const LawLikelihood& likelihood) {
-  return [&](const Eigen::VectorXd& x, Eigen::VectorXd* gradient) { return likelihood(x, gradient); };
-}
-
 /// Speeds and timing errors of every n-th sample; timing errors widened as the fit of so few samples would.
 LawData thinned_and_widened(const LawLikelihood& likelihood, const Eigen::VectorXd& theta) {
   constexpr std::size_t kEnough = 4000;
   const LawData& all = likelihood.data();
   const std::size_t stride = std::max<std::size_t>(1, all.size() / kEnough);
-  LawData data = thinned(all, stride);
+  LawData data;
+  for (std::size_t k = stride / 2; k < all.size(); k += stride) {
+    data.v_mps.push_back(all.v_mps[k]);
+    data.tau.push_back(all.tau[k]);
+  }
+  data.eps.resize(data.size());
   if (stride > 1)
     widen(data, likelihood.scatter_model(theta),
           std::sqrt(static_cast<double>(likelihood.model().n_parameters()) / static_cast<double>(data.size())));
   return data;
 }
 
-double draw_scatter(double below, double above, double normal_ratio, Random& random) {
+double draw_scatter(const ScatterModel& scatter, double v_mps, Random& random) {
+  const double below = scatter.below(v_mps), above = scatter.above(v_mps);
   const double exponential =
       random.uniform() < above / (above + below) ? above * random.exponential() : -below * random.exponential();
-  return exponential + (normal_ratio > 0.0 ? normal_ratio * std::sqrt(below * above) * random.normal() : 0.0);
+  return exponential + (scatter.normal_ratio > 0.0 ? scatter.normal(v_mps) * random.normal() : 0.0);
 }
 
 }  // namespace
@@ -131,16 +118,16 @@ AndersonDarling anderson_darling_test(const LawLikelihood& likelihood, const Max
   const LawLikelihood thin(design, likelihood.model(), likelihood.scatter());
   const Eigen::MatrixXd information = thin.information(maximum.x);
   const ScatterModel scatter = likelihood.scatter_model(maximum.x);
-  const ScaleColumns b = scales_at(scatter, design.v_mps);
+  const Eigen::VectorXd eps = thin.model().eps(design.v_mps, maximum.x.head(thin.model().n_parameters()));
   std::vector<double> a2(n_replicates, 0.0);
   parallel_for(n_replicates, 0, [&](std::size_t i) {
     Random random(seed, RandomStream::bootstrap, i);
     LawData data = design;
     for (std::size_t k = 0; k < data.size(); ++k)
-      data.eps[k] = thin.eps_of(maximum.x, k) + draw_scatter(b.below[k], b.above[k], scatter.normal_ratio, random) +
+      data.eps[k] = eps[static_cast<Eigen::Index>(k)] + draw_scatter(scatter, data.v_mps[k], random) +
                     data.tau[k] * random.normal();
     const LawLikelihood drawn(data, likelihood.model(), likelihood.scatter());
-    a2[i] = anderson_darling(drawn.probabilities_below(maximise(function_of(drawn), maximum.x, information, 0.02).x));
+    a2[i] = anderson_darling(drawn.probabilities_below(maximise(std::cref(drawn), maximum.x, information, 0.02).x));
   });
   result.n_replicates = n_replicates;
   const auto n_larger = std::count_if(a2.begin(), a2.end(), [&](double x) { return x >= result.a2; });

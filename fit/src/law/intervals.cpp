@@ -3,11 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <utility>
 #include <vector>
 
 #include "bouncelab/core/elementary.hpp"
+#include "bouncelab/core/text.hpp"
 #include "bouncelab/fit/estimate.hpp"
 #include "numerics/numerics.hpp"
 
@@ -295,14 +295,9 @@ Estimate normal_estimate(double value, double se, double reach68, double reach95
 }
 
 std::string in_words(double value, std::optional<double> se) {
-  char text[64];
-  if (!se || !(*se > 0.0) || !std::isfinite(*se)) {
-    std::snprintf(text, sizeof text, "%.6g", value);
-    return text;
-  }
+  if (!se || !(*se > 0.0) || !std::isfinite(*se)) return formatted("%.6g", value);
   const int decimals = std::clamp(1 - static_cast<int>(std::floor(log10(*se))), 0, 12);
-  std::snprintf(text, sizeof text, "%.*f ± %.*f", decimals, value, decimals, *se);
-  return text;
+  return formatted("%.*f ± %.*f", decimals, value, decimals, *se);
 }
 
 }  // namespace bouncelab::fit

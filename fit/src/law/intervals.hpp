@@ -56,7 +56,6 @@ std::optional<ProfileIntervals> profile_intervals(const LogLikelihood& loglik, c
 struct JackknifeErrors {
   Eigen::MatrixXd moves;      ///< theta_(-d) - theta, a column a drop
   Eigen::MatrixXd curvature;  ///< H in those coordinates
-  std::size_t n_drops() const { return static_cast<std::size_t>(moves.cols()); }
   Eigen::MatrixXd covariance() const;
   /// Of the quantity whose gradient by theta is `direction`.
   double standard_error(const Eigen::VectorXd& direction) const;

@@ -7,9 +7,7 @@
 #include <utility>
 
 #include "bouncelab/core/elementary.hpp"
-#include "bouncelab/core/error.hpp"
 #include "bouncelab/core/parallel.hpp"
-#include "bouncelab/core/text.hpp"
 #include "law/goodness.hpp"
 #include "law/law_likelihood.hpp"
 #include "law/law_model.hpp"
@@ -51,18 +49,11 @@ const char* to_string(LawKind kind) {
 }
 
 namespace {
-double scale_at(const std::vector<double>& c, double x) {
-  double sum = 0.0;
-  for (std::size_t k = c.size(); k-- > 0;) sum = sum * x + c[k];
-  return exp(sum);
-}
 
-LawFit fitted_law(const RestitutionSamples& samples, const OrderedSamples& ordered, const LawFitConfig& asked) {
+LawFit fitted_law(const RestitutionSamples& samples, const LawFitConfig& asked) {
   LawFit fit;
-  if (asked.n_scatter_terms > 8)
-    throw InvalidArgument("terms of the scatter " + std::to_string(asked.n_scatter_terms) + ": 1 to 8, 0 = by BIC");
-  std::vector<std::size_t> rows = ordered.rows;
-  LawData data = ordered.data;
+  std::vector<std::size_t> rows = by_speed(samples);
+  LawData data = law_data(samples, rows);
   fit.n = data.size();
   const LawFitConfig config = for_these(asked, data, fit.notes);
   fit.kind = config.kind;
@@ -97,9 +88,13 @@ LawFit fitted_law(const RestitutionSamples& samples, const OrderedSamples& order
 
 }  // namespace
 
-double ScatterModel::below(double v_mps) const { return scale_at(log_below, log(v_mps / v_ref_mps)); }
-double ScatterModel::above(double v_mps) const { return scale_at(log_above, log(v_mps / v_ref_mps)); }
+double ScatterModel::below(double v_mps) const { return exp(polynomial(log_below, log(v_mps / v_ref_mps))); }
+double ScatterModel::above(double v_mps) const { return exp(polynomial(log_above, log(v_mps / v_ref_mps))); }
 double ScatterModel::normal(double v_mps) const { return normal_ratio * std::sqrt(below(v_mps) * above(v_mps)); }
+double ScatterModel::mean_distance(double v_mps) const {
+  const double b = below(v_mps), a = above(v_mps);
+  return (b * b + a * a) / (b + a);
+}
 double ScatterModel::mean_minus_peak(double v_mps) const {
   const double b = below(v_mps), a = above(v_mps);
   const double offset = normal_ratio > 0.0 ? std::sqrt(a * b) * mode_offset(log(a / b), log(normal_ratio)).value : 0.0;
@@ -109,15 +104,11 @@ double ScatterModel::variance(double v_mps) const {
   return square(below(v_mps)) + square(above(v_mps)) + square(normal(v_mps));
 }
 
-LawFit fit_law(const RestitutionSamples& samples, const OrderedSamples& ordered, const LawFitConfig& config) {
+LawFit fit_law(const RestitutionSamples& samples, const LawFitConfig& config) {
   LawFit fit;
   // once for the whole search, not for each of its likelihoods
-  with_threads(0, [&] { fit = fitted_law(samples, ordered, config); });
+  with_threads(0, [&] { fit = fitted_law(samples, config); });
   return fit;
-}
-
-LawFit fit_law(const RestitutionSamples& samples, const LawFitConfig& config) {
-  return fit_law(samples, ordered_by_speed(samples), config);
 }
 
 }  // namespace bouncelab::fit

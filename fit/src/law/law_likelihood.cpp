@@ -13,12 +13,6 @@ namespace {
 
 constexpr std::size_t kKnots = 64;  // of the peak's offset: a cubic between them is good to 1e-7 of the scale
 
-double polynomial(const double* c, std::size_t n, double x) {
-  double sum = 0.0;
-  for (std::size_t k = n; k-- > 0;) sum = sum * x + c[k];
-  return sum;
-}
-
 BOUNCELAB_VECTOR_CLONES void add_scaled(std::size_t n, const double* x, double factor, double* sum) {
   for (std::size_t k = 0; k < n; ++k) sum[k] += x[k] * factor;
 }
@@ -73,12 +67,7 @@ Eigen::MatrixXd basis_of(const LawModel& model, std::span<const double> v_mps) {
 
 Eigen::Map<const Eigen::ArrayXd> array_of(std::size_t n, const double* x) { return {x, static_cast<Eigen::Index>(n)}; }
 
-}  // namespace
-
-double sum_of_products(std::size_t n, const double* a, const double* b) {
-  return (array_of(n, a) * array_of(n, b)).sum();
-}
-
+/// Adds the sum of a[k] x[k]^j to sums[j], j < n_powers.
 void add_powers(std::size_t n, const double* a, const double* x, std::size_t n_powers, double* sums) {
   Eigen::Array<double, Eigen::Dynamic, 1, 0, kBlockSize, 1> term = array_of(n, a);
   for (std::size_t j = 0; j < n_powers; ++j) {
@@ -87,6 +76,8 @@ void add_powers(std::size_t n, const double* a, const double* x, std::size_t n_p
   }
 }
 
+}  // namespace
+
 LawLikelihood::LawLikelihood(const LawData& data, const LawModel& model, const ScatterFamily& scatter)
     : data_(data), model_(model), scatter_(scatter), n_law_(model.n_parameters()), basis_(basis_of(model, data.v_mps)) {
   constexpr double kRangeOfLost = 2.0;
@@ -94,39 +85,25 @@ LawLikelihood::LawLikelihood(const LawData& data, const LawModel& model, const S
   x_.reserve(data.size());
   for (const double v : data.v_mps) x_.push_back(v / scatter.v_ref_mps);
   log_each(x_);
-  inverse_tau_.reserve(data.size());
-  for (const double tau : data.tau) inverse_tau_.push_back(1.0 / tau);
   // between one knot before the first sample and one behind the last
   knot_distance_ = std::max((x_.back() - x_.front()) / static_cast<double>(kKnots - 3), 1e-9);
 }
 
-double LawLikelihood::eps_of(const Eigen::VectorXd& theta, std::size_t k, double* row) const {
-  const auto basis = basis_.row(static_cast<Eigen::Index>(k));
-  if (!model_.is_linear()) {
-    const auto [eps, slope] = viscoelastic_and_slope(exp(0.5 * theta[0]) * basis[0]);
-    if (row) *row = slope;
-    return eps;
-  }
-  double eps = 1.0;
-  for (Eigen::Index i = 0; i < n_law_; ++i) eps += basis[i] * (theta[i] - 1.0);
-  if (row) std::copy(basis.begin(), basis.end(), row);
-  return eps;
-}
-
 double LawLikelihood::square_of_normal_ratio(const Eigen::VectorXd& theta) const {
-  if (!scatter_.has_normal_part()) return 0.0;
+  if (!scatter_.has_normal_part) return 0.0;
   return exp(2.0 * std::clamp(theta[theta.size() - 1], kLogScaleMin, -kLogScaleMin));
 }
 
 LawLikelihood::Shape LawLikelihood::shape(const Eigen::VectorXd& theta) const {
+  if (!scatter_.has_normal_part) return {0.0, {ModeOffset{}}};
   Shape shape{square_of_normal_ratio(theta), {}};
-  if (!scatter_.has_normal_part()) return shape;
-  const double *below = theta.data() + n_law_, *above = below + scatter_.n_terms;
+  const std::span<const double> below(theta.data() + n_law_, scatter_.n_terms);
+  const std::span<const double> above(theta.data() + n_law_ + scatter_.n_terms, scatter_.n_terms);
   // one knot beyond the data on each side
   double near = 0.0;
   for (std::size_t j = 0; j < (scatter_.n_terms == 1 ? 1 : kKnots); ++j) {
     const double x = x_.front() + (static_cast<double>(j) - 1.0) * knot_distance_;
-    const double asymmetry = polynomial(above, scatter_.n_terms, x) - polynomial(below, scatter_.n_terms, x);
+    const double asymmetry = polynomial(above, x) - polynomial(below, x);
     shape.peaks.push_back(
         mode_offset(std::clamp(asymmetry, kLogScaleMin, -kLogScaleMin), theta[theta.size() - 1], near));
     near = 2.0 * shape.peaks[j].value - shape.peaks[j > 0 ? j - 1 : 0].value;
@@ -149,12 +126,7 @@ void LawLikelihood::compute_curve(const Eigen::VectorXd& theta, SampleBlock& s) 
 }
 
 void LawLikelihood::compute_sides(const Eigen::VectorXd& theta, SampleBlock& s) const {
-  const double* c = theta.data() + n_law_;
-  if (scatter_.n_terms == 1) {
-    const double below = exp(std::clamp(c[0], kLogScaleMin, kLogScaleMax));
-    return s.sides.fill(below, exp(std::clamp(c[1], kLogScaleMin, kLogScaleMax)));
-  }
-  const double* x = &x_[s.begin];
+  const double *c = theta.data() + n_law_, *x = &x_[s.begin];
   log_scales(s.n, x, c, scatter_.n_terms, s.sides.b_below);
   exp_each(std::span(s.sides.b_below).first(s.n));
   log_scales(s.n, x, c + scatter_.n_terms, scatter_.n_terms, s.sides.b_above);
@@ -189,30 +161,26 @@ void LawLikelihood::compute_peaks(const Shape& shape, SampleBlock& s) const {
   }
 }
 
-LawLikelihood::NormalPart LawLikelihood::compute_scatter(const Eigen::VectorXd& theta, const Shape& shape,
-                                                         SampleBlock& s) const {
+void LawLikelihood::compute_scatter(const Eigen::VectorXd& theta, const Shape& shape, SampleBlock& s) const {
   compute_curve(theta, s);
   compute_sides(theta, s);
-  const double* tau = &data_.tau[s.begin];
-  if (!(shape.square_of_ratio > 0.0)) return {tau, &inverse_tau_[s.begin]};
   compute_peaks(shape, s);
-  add_normal_part(s, shape.square_of_ratio, tau);
-  return {s.tau.data(), s.inverse_tau.data()};
+  add_normal_part(s, shape.square_of_ratio, &data_.tau[s.begin]);
 }
 
 void LawLikelihood::compute(const Eigen::VectorXd& theta, const Shape& shape, SampleBlock& s) const {
-  const NormalPart part = compute_scatter(theta, shape, s);
-  normal_laplace(s.n, s.residual.data(), s.sides, part.tau, part.inverse_tau, odds_of_lost_density_, s.f);
-  if (shape.square_of_ratio > 0.0) derive_with_normal_part(s);
+  compute_scatter(theta, shape, s);
+  normal_laplace(s.n, s.residual.data(), s.sides, s.tau.data(), s.inverse_tau.data(), odds_of_lost_density_, s.f);
+  derive_with_normal_part(s);
 }
 
 void LawLikelihood::add_scores(SampleBlock& s, double* sums) const {
   for (std::size_t i = 0; i < static_cast<std::size_t>(n_law_); ++i)
-    *sums++ += sum_of_products(s.n, s.f.d_location.data(), slope_of(s, i));
+    *sums++ += (array_of(s.n, s.f.d_location.data()) * array_of(s.n, slope_of(s, i))).sum();
   const double* x = &x_[s.begin];
   add_powers(s.n, s.f.d_log_below.data(), x, scatter_.n_terms, sums);
   add_powers(s.n, s.f.d_log_above.data(), x, scatter_.n_terms, sums + scatter_.n_terms);
-  if (scatter_.has_normal_part()) add_powers(s.n, s.f.d_log_tau.data(), x, 1, sums + 2 * scatter_.n_terms);
+  if (scatter_.has_normal_part) add_powers(s.n, s.f.d_log_tau.data(), x, 1, sums + 2 * scatter_.n_terms);
 }
 
 double LawLikelihood::operator()(const Eigen::VectorXd& theta, Eigen::VectorXd* gradient) const {
@@ -260,7 +228,7 @@ double LawLikelihood::penalty(const Eigen::VectorXd& theta, Eigen::VectorXd* gra
       (*gradient)[n_law_ + n_terms] += weight * (ratio - 1.0);
     }
   }
-  if (scatter_.has_normal_part()) {
+  if (scatter_.has_normal_part) {
     const double rho = theta[theta.size() - 1];
     sum += 0.5 * kPrecisionOfRatio * rho * rho;
     if (gradient) (*gradient)[theta.size() - 1] -= kPrecisionOfRatio * rho;
@@ -276,7 +244,7 @@ double LawLikelihood::penalty(const Eigen::VectorXd& theta, Eigen::VectorXd* gra
 }
 
 void LawLikelihood::add_penalty_curvature(const Eigen::VectorXd& theta, Eigen::MatrixXd& information) const {
-  if (scatter_.has_normal_part()) information(theta.size() - 1, theta.size() - 1) += kPrecisionOfRatio;
+  if (scatter_.has_normal_part) information(theta.size() - 1, theta.size() - 1) += kPrecisionOfRatio;
   const auto n_terms = static_cast<Eigen::Index>(scatter_.n_terms);
   for (Eigen::Index k = 0; k < n_terms; ++k) {
     const Eigen::Index below = n_law_ + k, above = below + n_terms;

@@ -18,22 +18,16 @@ inline constexpr double kLogScaleMin = -30.0, kLogScaleMax = 3.0;
 
 inline constexpr std::size_t kParallel = 4096;  ///< samples of one piece of parallel work, a multiple of kBlockSize
 
-/// Density of the scatter about the curve.
-enum class ScatterKind {
-  normal_laplace,      ///< scales b_below(v), b_above(v), and a normal part of sqrt(b_below b_above) exp(rho)
-  asymmetric_laplace,  ///< without the normal part
-};
-
-/// log b = sum_k c_k x^k, x = log(v / v_ref), k < n_terms, for each side.
+/// Density of the scatter about the curve, of scales b_below(v) and b_above(v): log b = sum_k c_k x^k,
+/// x = log(v / v_ref), k < n_terms, for each side.
 struct ScatterFamily {
-  ScatterKind kind = ScatterKind::normal_laplace;
+  bool has_normal_part = true;  ///< of sqrt(b_below b_above) exp(rho)
   std::size_t n_terms = 3;
   double v_ref_mps = 1.0;
   double lost_share = 0.0;  ///< of bounces whose eps may be anything from 0 to 2
   std::optional<double> log_size =
       std::nullopt;  ///< log b at v_ref by a first look: the prior that keeps the scale from 0
-  bool has_normal_part() const { return kind == ScatterKind::normal_laplace; }
-  Eigen::Index n_parameters() const { return static_cast<Eigen::Index>(2 * n_terms + (has_normal_part() ? 1 : 0)); }
+  Eigen::Index n_parameters() const { return static_cast<Eigen::Index>(2 * n_terms + (has_normal_part ? 1 : 0)); }
 };
 
 /// Some samples: what is computed of them on the way to their likelihood.
@@ -47,11 +41,6 @@ struct SampleBlock {
   Block peak, peak_by_asymmetry, peak_by_rho;  ///< in units of size
   DensityBlock f;
 };
-
-/// The sum of a[k] b[k].
-double sum_of_products(std::size_t n, const double* a, const double* b);
-/// Adds the sum of a[k] x[k]^j to sums[j], j < n_powers.
-void add_powers(std::size_t n, const double* a, const double* x, std::size_t n_powers, double* sums);
 
 /// Log-likelihood of the curve and the scatter together: theta = (q, c_below, c_above[, rho]).
 ///
@@ -88,8 +77,6 @@ class LawLikelihood {
   Eigen::Matrix4d information_of(const Eigen::VectorXd& theta, std::size_t k) const {
     return information_of(theta, shape(theta), k);
   }
-  /// Of the curve at sample k, and where asked for its derivatives by q.
-  double eps_of(const Eigen::VectorXd& theta, std::size_t k, double* row = nullptr) const;
   /// Gradients of each drop's log-likelihood, a column a drop.
   Eigen::MatrixXd scores_by_drop(const Eigen::VectorXd& theta) const;
   Eigen::MatrixXd scores_by_sample(const Eigen::VectorXd& theta) const;
@@ -115,10 +102,7 @@ class LawLikelihood {
   void compute(const Eigen::VectorXd& theta, const Shape& shape, SampleBlock& s) const;
   /// All that density and distribution function take: residuals (with a normal part from where the exponentials join),
   /// sides, standard deviations of normal part and timing error together.
-  struct NormalPart {
-    const double *tau, *inverse_tau;
-  };
-  NormalPart compute_scatter(const Eigen::VectorXd& theta, const Shape& shape, SampleBlock& s) const;
+  void compute_scatter(const Eigen::VectorXd& theta, const Shape& shape, SampleBlock& s) const;
   /// Calls visit(samples) for the blocks of samples of one part; threads share the parts.
   template <class Visit>
   void visit_part(std::size_t part, const Visit& visit) const {
@@ -145,11 +129,10 @@ class LawLikelihood {
   void add_scores(SampleBlock& s, double* sums) const;
   double penalty(const Eigen::VectorXd& theta, Eigen::VectorXd* gradient) const;
   void add_penalty_curvature(const Eigen::VectorXd& theta, Eigen::MatrixXd& information) const;
-  /// Expected information of one sample by all parameters is e_ij c_i c_j: c are the derivatives of location and log
-  /// scales by theta, e the information by those, by pairs of parameters.
-  Eigen::MatrixXd expanded(const Eigen::Matrix4d& information) const;
   Eigen::Matrix4d information_of(const Eigen::VectorXd& theta, const Shape& shape, std::size_t k) const;
-  void fill_design(const Eigen::VectorXd& theta, std::size_t k, double* c) const;
+  /// Derivatives of sample k's location, log b_below, log b_above and rho by theta.
+  using Design = Eigen::Matrix<double, 4, Eigen::Dynamic>;
+  Design design(const Eigen::VectorXd& theta, std::size_t k) const;
   std::size_t information_stride() const;
 
   const LawData& data_;
@@ -158,9 +141,8 @@ class LawLikelihood {
   Eigen::Index n_law_;
   double odds_of_lost_density_ = 0.0;  ///< the density of lost bounces against the share of those that are not
   std::vector<double> x_;              ///< log(v / v_ref)
-  std::vector<double> inverse_tau_;
-  double knot_distance_ = 1.0;  ///< in x
-  Eigen::MatrixXd basis_;       ///< a row a sample
+  double knot_distance_ = 1.0;         ///< in x
+  Eigen::MatrixXd basis_;              ///< a row a sample
 };
 
 /// Without the normal part's size. @param n_law  parameters of the law, which come first in theta

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
-#include <variant>
 
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/error.hpp"
@@ -14,28 +13,6 @@
 
 namespace bouncelab::fit {
 namespace {
-
-/// 1 + sum_i C_i A_i x^i of each x = v^(1/10), in its place.
-void evaluate(const SeriesLaw& law, std::span<double> tenth_powers) {
-  std::vector<double> terms(std::min(law.a.size(), kViscoelasticC.size()), 0.0);
-  for (std::size_t i = 1; i < terms.size(); ++i) terms[i] = kViscoelasticC[i] * law.a[i];
-  for (double& x : tenth_powers) {
-    double sum = 0.0;
-    for (std::size_t i = terms.size(); i-- > 1;) sum = (sum + terms[i]) * x;
-    x = 1.0 + sum;
-  }
-}
-
-std::vector<double> scales_of(const std::vector<double>& c, const std::vector<double>& x) {
-  std::vector<double> scales(x.size());
-  for (std::size_t k = 0; k < x.size(); ++k) {
-    double sum = 0.0;
-    for (std::size_t j = c.size(); j-- > 0;) sum = sum * x[k] + c[j];
-    scales[k] = sum;
-  }
-  exp_each(scales);
-  return scales;
-}
 
 /// Rows C_i v^(i/10): eps = 1 + rows A.
 Eigen::MatrixXd series_terms(const std::vector<int>& orders, std::span<const double> v_mps) {
@@ -133,6 +110,12 @@ RestitutionLaw LawModel::law(const Eigen::VectorXd& q) const {
   return series;
 }
 
+Eigen::VectorXd LawModel::values_of(const RestitutionLaw& law) const {
+  Eigen::VectorXd q(n_parameters());
+  for (Eigen::Index j = 0; j < q.size(); ++j) q[j] = restitution(law, node_v_mps[static_cast<std::size_t>(j)]);
+  return kind == LawKind::viscoelastic ? Eigen::VectorXd::Constant(1, log_gamma_through(node_v_mps[0], q[0])) : q;
+}
+
 std::vector<double> spread_speeds(std::span<const double> v_mps, std::size_t n) {
   std::vector<double> sorted(v_mps.begin(), v_mps.end());
   std::sort(sorted.begin(), sorted.end());
@@ -167,7 +150,10 @@ std::vector<double> node_speeds(std::span<const double> v_mps) {
 LawModel make_law_model(LawKind kind, const std::vector<int>& orders, std::span<const double> v_mps) {
   LawModel model;
   model.kind = kind;
-  if (kind != LawKind::series) return model;
+  if (kind != LawKind::series) {
+    model.node_v_mps = spread_speeds(v_mps, 1);
+    return model;
+  }
   check_orders(orders);
   model.orders = orders;
   model.node_v_mps = spread_speeds(v_mps, orders.size());
@@ -190,69 +176,31 @@ std::vector<double> powers_of(std::span<const double> v_mps, double exponent) {
   return x;
 }
 
-std::vector<double> restitutions(const RestitutionLaw& law, std::span<const double> v_mps) {
-  std::vector<double> eps;
-  if (const auto* series = std::get_if<SeriesLaw>(&law)) {
-    eps = powers_of(v_mps, 0.1);
-    evaluate(*series, eps);
-    return eps;
-  }
-  eps.reserve(v_mps.size());
-  for (const double v : v_mps) eps.push_back(restitution(law, v));
-  return eps;
-}
-
 std::vector<double> residuals_from(const RestitutionLaw& law, const RestitutionSamples& samples) {
-  std::vector<double> residuals = restitutions(law, speeds_of(samples));
-  for (std::size_t k = 0; k < samples.size(); ++k) residuals[k] = samples[k].eps - residuals[k];
+  std::vector<double> residuals;
+  for (const RestitutionSample& s : samples) residuals.push_back(s.eps - restitution(law, s.v_mps));
   return residuals;
 }
 
-ScaleColumns scales_at(const ScatterModel& scatter, std::span<const double> v_mps) {
-  std::vector<double> x;
-  x.reserve(v_mps.size());
-  for (const double v : v_mps) x.push_back(v / scatter.v_ref_mps);
-  log_each(x);
-  ScaleColumns scales{scales_of(scatter.log_below, x), {}};
-  scales.above = scatter.log_above == scatter.log_below ? scales.below : scales_of(scatter.log_above, x);
-  return scales;
+double polynomial(std::span<const double> c, double x) {
+  double sum = 0.0;
+  for (std::size_t k = c.size(); k-- > 0;) sum = sum * x + c[k];
+  return sum;
 }
-
-namespace {
-
-constexpr double kResolution = 1e-8;  // of eps: far below any timing; samples without any scatter are fitted too
 
 std::vector<std::size_t> by_speed(const RestitutionSamples& samples) {
   std::vector<std::pair<double, std::size_t>> places;
-  places.reserve(samples.size());
-  for (std::size_t k = 0; k < samples.size(); ++k) places.emplace_back(samples[k].v_mps, k);
-  std::sort(places.begin(), places.end());
-  std::vector<std::size_t> order;
-  order.reserve(samples.size());
-  for (const auto& place : places) order.push_back(place.second);
-  return order;
-}
-
-void check(const RestitutionSamples& samples) {
   for (std::size_t k = 0; k < samples.size(); ++k) {
     const RestitutionSample& s = samples[k];
     if (!std::isfinite(s.v_mps) || !std::isfinite(s.eps) || !(s.v_mps > 0.0))
       throw InvalidArgument("sample " + std::to_string(k) + ": speed " + std::to_string(s.v_mps) + " m/s, eps " +
                             std::to_string(s.eps) + ": must be finite, the speed positive; leave it out");
+    places.emplace_back(s.v_mps, k);
   }
-}
-
-}  // namespace
-
-LawData thinned(const LawData& all, std::size_t stride) {
-  LawData data;
-  for (std::size_t k = stride / 2; k < all.size(); k += stride) {
-    data.v_mps.push_back(all.v_mps[k]);
-    data.eps.push_back(all.eps[k]);
-    data.tau.push_back(all.tau[k]);
-    data.drop.push_back(all.drop[k]);
-  }
-  return data;
+  std::sort(places.begin(), places.end());
+  std::vector<std::size_t> order;
+  for (const auto& place : places) order.push_back(place.second);
+  return order;
 }
 
 LawData law_data(const RestitutionSamples& samples, const std::vector<std::size_t>& order) {
@@ -262,8 +210,6 @@ LawData law_data(const RestitutionSamples& samples, const std::vector<std::size_
   for (std::size_t k = 0; k < samples.size(); ++k)
     if (drop_of[k] == 0) drop_of[k] = drops.of(samples[k]);
   LawData data;
-  for (std::vector<double>* column : {&data.v_mps, &data.eps, &data.tau}) column->reserve(order.size());
-  data.drop.reserve(order.size());
   for (const std::size_t k : order) {
     const RestitutionSample& s = samples[k];
     data.v_mps.push_back(s.v_mps);
@@ -274,17 +220,11 @@ LawData law_data(const RestitutionSamples& samples, const std::vector<std::size_
   return data;
 }
 
-OrderedSamples ordered_by_speed(const RestitutionSamples& samples) {
-  check(samples);
-  OrderedSamples ordered{by_speed(samples), {}};
-  ordered.data = law_data(samples, ordered.rows);
-  return ordered;
-}
-
 void widen(LawData& data, const ScatterModel& scatter, double width) {
-  const ScaleColumns b = scales_at(scatter, data.v_mps);
-  for (std::size_t k = 0; k < data.size(); ++k)
-    data.tau[k] = hypot(data.tau[k], width * (0.5 * (b.below[k] + b.above[k])));
+  for (std::size_t k = 0; k < data.size(); ++k) {
+    const double v_mps = data.v_mps[k];
+    data.tau[k] = hypot(data.tau[k], width * (0.5 * (scatter.below(v_mps) + scatter.above(v_mps))));
+  }
 }
 
 std::size_t DropNumbers::of(const RestitutionSample& sample) {

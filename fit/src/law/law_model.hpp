@@ -27,7 +27,7 @@ inline constexpr double kOneSpeed = 1.2;
 struct LawModel {
   LawKind kind = LawKind::series;
   std::vector<int> orders;
-  std::vector<double> node_v_mps;  ///< series: one per order
+  std::vector<double> node_v_mps;  ///< one per parameter
   Eigen::MatrixXd a_of_q;          ///< series: A = a_of_q (q - 1)
 
   Eigen::Index n_parameters() const;
@@ -42,6 +42,8 @@ struct LawModel {
   Eigen::VectorXd reported(const Eigen::VectorXd& q) const;
   Eigen::MatrixXd reported_jacobian(const Eigen::VectorXd& q) const;
   RestitutionLaw law(const Eigen::VectorXd& q) const;
+  /// The q whose law has the eps of this one at the nodes: of a law of this kind, its own.
+  Eigen::VectorXd values_of(const RestitutionLaw& law) const;
 };
 
 /// @param v_mps  speeds of the data, any order: the series' nodes are spread over them.
@@ -61,27 +63,16 @@ std::vector<double> spread_speeds(std::span<const double> v_mps, std::size_t n);
 /// so that a speed that is printed is the node itself; three, or all digits, where two would make nodes equal.
 std::vector<double> node_speeds(std::span<const double> v_mps);
 
-// Functions of many samples at once: exponentials and logarithms one by one are most of the time that they take.
-
 std::vector<double> speeds_of(const RestitutionSamples& samples);
 
-/// v^exponent of each. @param v_mps  >= 0
+/// v^exponent of each: exponentials and logarithms one by one are most of the time that this takes. @param v_mps  >= 0
 std::vector<double> powers_of(std::span<const double> v_mps, double exponent);
-
-/// eps(v) of each, as restitution() to a few units in the last place.
-std::vector<double> restitutions(const RestitutionLaw& law, std::span<const double> v_mps);
 
 /// eps - eps(v) of each.
 std::vector<double> residuals_from(const RestitutionLaw& law, const RestitutionSamples& samples);
 
-/// Scales of both sides at each speed.
-struct ScaleColumns {
-  std::vector<double> below, above;
-};
-ScaleColumns scales_at(const ScatterModel& scatter, std::span<const double> v_mps);
-
-/// From here on a fit costs as many seconds as it takes passes over all samples.
-inline constexpr std::size_t kVeryMany = 20000;
+/// sum_k c_k x^k
+double polynomial(std::span<const double> c, double x);
 
 /// What is fitted: columns of equal length, sorted by speed.
 struct LawData {
@@ -91,20 +82,12 @@ struct LawData {
   std::size_t size() const { return v_mps.size(); }
 };
 
-/// Every n-th sample, from half of `stride` on.
-LawData thinned(const LawData& all, std::size_t stride);
+/// Of eps: far below any timing; samples without any scatter are fitted too.
+inline constexpr double kResolution = 1e-8;
 
-/// Samples as the fit of a law takes them: made once for several fits of the same ones.
-struct OrderedSamples {
-  std::vector<std::size_t> rows;  ///< of the samples, by speed
-  LawData data;
-};
-
+/// Indices of the samples in order of speed.
 /// @throws InvalidArgument naming the first sample whose speed or eps cannot be
-OrderedSamples ordered_by_speed(const RestitutionSamples& samples);
-
-/// fit_law() of samples already ordered. @param ordered  of these samples
-LawFit fit_law(const RestitutionSamples& samples, const OrderedSamples& ordered, const LawFitConfig& config);
+std::vector<std::size_t> by_speed(const RestitutionSamples& samples);
 
 /// Columns of some samples, drops numbered as all of them are.
 /// @param order  indices of the samples that are fitted

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <span>
 #include <utility>
 
@@ -14,12 +15,6 @@
 
 namespace bouncelab::fit {
 namespace {
-
-/// n / (n - p): what p fitted parameters take from the scatter that errors are judged by.
-double small_sample_inflation(const LawFit& fit) {
-  const auto n = static_cast<double>(fit.n), p = static_cast<double>(fit.n_parameters);
-  return n / std::max(1.0, n - p);
-}
 
 /// The law's coordinates q with their covariance: by drop where there is such, else of independent samples.
 struct ParameterCovariance {
@@ -114,12 +109,11 @@ void profile_all(LawFit& fit, const LawLikelihood& likelihood, const Maximum& ma
   const LawModel& model = likelihood.model();
   const Eigen::Index n_law = model.n_parameters();
   const Eigen::VectorXd q = maximum.x.head(n_law);
-  const LogLikelihood function = [&](const Eigen::VectorXd& x, Eigen::VectorXd* g) { return likelihood(x, g); };
   const ProfileLevels of_samples = profile_levels(fit.n, static_cast<std::size_t>(n_law));
   const auto along = [&](const Eigen::RowVectorXd& row) {
     Eigen::VectorXd direction = Eigen::VectorXd::Zero(maximum.x.size());
     direction.head(n_law) = row.transpose();
-    return profile_intervals(function, maximum, white, direction,
+    return profile_intervals(std::cref(likelihood), maximum, white, direction,
                              by_drop ? by_drop->profile_levels_of(direction, white) : of_samples,
                              by_drop ? &by_drop->curvature : nullptr);
   };
@@ -158,10 +152,10 @@ Known known_of(LawFit& fit, const LawLikelihood& likelihood, const Maximum& maxi
   const Eigen::Index n_law = likelihood.model().n_parameters();
   Known known{whitening(likelihood.information(maximum.x), 1e-10), std::nullopt, {}};
   fit.n_parameters = static_cast<std::size_t>(likelihood.n_parameters());
-  known.parameters = {maximum.x.head(n_law),
-                      small_sample_inflation(fit) * gram(known.white).topLeftCorner(n_law, n_law),
-                      std::nullopt,
-                      {}};
+  // what p fitted parameters take from the scatter that errors are judged by
+  const auto n = static_cast<double>(fit.n), p = static_cast<double>(fit.n_parameters);
+  known.parameters.q = maximum.x.head(n_law);
+  known.parameters.covariance = n / std::max(1.0, n - p) * gram(known.white).topLeftCorner(n_law, n_law);
   known.by_drop = errors_by_drop(likelihood, maximum.x, known.white);
   fit.drops = {likelihood.n_drops(), known.by_drop ? ErrorBasis::by_drop : ErrorBasis::independent_samples};
   if (likelihood.n_drops() < kFewestDrops && (known.by_drop = errors_by_sample(likelihood, maximum.x, known.white)))

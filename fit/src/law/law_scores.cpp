@@ -29,8 +29,8 @@ std::vector<double> LawLikelihood::probabilities_below(const Eigen::VectorXd& th
   const Shape common = shape(theta);
   std::vector<double> u(data_.size());
   visit_all([&](SampleBlock& s) {
-    const NormalPart part = compute_scatter(theta, common, s);
-    normal_laplace_cdf(s.n, s.residual.data(), s.sides, part.tau, part.inverse_tau, &u[s.begin]);
+    compute_scatter(theta, common, s);
+    normal_laplace_cdf(s.n, s.residual.data(), s.sides, s.tau.data(), s.inverse_tau.data(), &u[s.begin]);
   });
   return u;
 }
@@ -52,16 +52,10 @@ Eigen::MatrixXd LawLikelihood::scores_by_sample(const Eigen::VectorXd& theta) co
   Eigen::MatrixXd scores(n_parameters(), static_cast<Eigen::Index>(data_.size()));
   visit_all([&](SampleBlock& s) {
     compute(theta, common, s);
-    for (std::size_t k = 0; k < s.n; ++k) {
-      double* to = scores.col(static_cast<Eigen::Index>(s.begin + k)).data();
-      for (std::size_t i = 0; i < static_cast<std::size_t>(n_law_); ++i) *to++ = s.f.d_location[k] * slope_of(s, i)[k];
-      const auto put_powers = [&](double value) {
-        for (std::size_t j = 0; j < scatter_.n_terms; ++j, value *= x_[s.begin + k]) *to++ = value;
-      };
-      put_powers(s.f.d_log_below[k]);
-      put_powers(s.f.d_log_above[k]);
-      if (scatter_.has_normal_part()) *to = s.f.d_log_tau[k];
-    }
+    for (std::size_t k = 0; k < s.n; ++k)
+      scores.col(static_cast<Eigen::Index>(s.begin + k)) =
+          design(theta, s.begin + k).transpose() *
+          Eigen::Vector4d(s.f.d_location[k], s.f.d_log_below[k], s.f.d_log_above[k], s.f.d_log_tau[k]);
   });
   return scores;
 }
@@ -74,65 +68,34 @@ Eigen::MatrixXd LawLikelihood::scores_by_drop(const Eigen::VectorXd& theta) cons
   return scores;
 }
 
-namespace {
-
-constexpr std::size_t kDrops = 16;  // in a block of parallel work
-std::size_t blocks_of_drops(std::size_t n_drops) { return (n_drops + kDrops - 1) / kDrops; }
-
-std::vector<std::vector<std::size_t>> samples_by_drop(const std::vector<std::size_t>& drop, std::size_t n_drops) {
-  std::vector<std::vector<std::size_t>> samples(n_drops);
-  for (std::size_t k = 0; k < drop.size(); ++k) samples[drop[k]].push_back(k);
-  return samples;
-}
-
-/// sum_ij += e_ij c_i c_j
-void add_weighted_square(const Eigen::MatrixXd& e, const Eigen::VectorXd& c, Eigen::MatrixXd& sum) {
-  for (Eigen::Index j = 0; j < c.size(); ++j) {
-    const double* const of_e = e.col(j).data();
-    double* const to = sum.col(j).data();
-    for (Eigen::Index i = 0; i < c.size(); ++i) to[i] += of_e[i] * (c[i] * c[j]);
-  }
-}
-
-}  // namespace
-
 Eigen::Matrix4d LawLikelihood::information_of(const Eigen::VectorXd& theta, const Shape& shape, std::size_t k) const {
   SampleBlock s;
   s.begin = k;
   s.n = 1;
-  const double tau = *compute_scatter(theta, shape, s).tau;
+  compute_scatter(theta, shape, s);
   // of the point where the exponentials join and log tau, by the parameters
   Eigen::Matrix4d by_parameters = Eigen::Matrix4d::Identity();
-  if (scatter_.has_normal_part()) {
-    const double size = s.size[0], half = 0.5 * s.peak[0], share = s.normal_share[0];
-    by_parameters.row(0) << 1.0, -size * (half - s.peak_by_asymmetry[0]), -size * (half + s.peak_by_asymmetry[0]),
-        -size * s.peak_by_rho[0];
-    by_parameters.row(3) << 0.0, 0.5 * share, 0.5 * share, share;
-  } else {
-    by_parameters.row(3).setZero();
-  }
-  return by_parameters.transpose() * normal_laplace_information(s.sides.b_below[0], s.sides.b_above[0], tau) *
+  const double size = s.size[0], half = 0.5 * s.peak[0], share = s.normal_share[0];
+  by_parameters.row(0) << 1.0, -size * (half - s.peak_by_asymmetry[0]), -size * (half + s.peak_by_asymmetry[0]),
+      -size * s.peak_by_rho[0];
+  by_parameters.row(3) << 0.0, 0.5 * share, 0.5 * share, share;
+  return by_parameters.transpose() * normal_laplace_information(s.sides.b_below[0], s.sides.b_above[0], s.tau[0]) *
          by_parameters;
 }
 
-Eigen::MatrixXd LawLikelihood::expanded(const Eigen::Matrix4d& information) const {
-  // to which of location, log b_below, log b_above, rho a parameter belongs
-  const Eigen::Index n_terms = static_cast<Eigen::Index>(scatter_.n_terms), n = n_parameters();
-  Eigen::MatrixXd belongs = Eigen::MatrixXd::Zero(4, n);
-  belongs.row(0).head(n_law_).setOnes();
-  belongs.row(1).segment(n_law_, n_terms).setOnes();
-  belongs.row(2).segment(n_law_ + n_terms, n_terms).setOnes();
-  if (scatter_.has_normal_part()) belongs(3, n - 1) = 1.0;
-  return congruence(belongs, information);
-}
-
-void LawLikelihood::fill_design(const Eigen::VectorXd& theta, std::size_t k, double* c) const {
-  eps_of(theta, k, c);
-  double* of_scales = c + n_law_;
+LawLikelihood::Design LawLikelihood::design(const Eigen::VectorXd& theta, std::size_t k) const {
+  Design c = Design::Zero(4, n_parameters());
+  const auto row = basis_.row(static_cast<Eigen::Index>(k));
+  if (model_.is_linear())
+    c.row(0).head(n_law_) = row;
+  else
+    c(0, 0) = viscoelastic_and_slope(exp(0.5 * theta[0]) * row[0]).second;
+  const auto n_terms = static_cast<Eigen::Index>(scatter_.n_terms);
   double power_of_x = 1.0;
-  for (std::size_t j = 0; j < scatter_.n_terms; ++j, power_of_x *= x_[k])
-    of_scales[j] = of_scales[scatter_.n_terms + j] = power_of_x;
-  if (scatter_.has_normal_part()) of_scales[2 * scatter_.n_terms] = 1.0;
+  for (Eigen::Index j = 0; j < n_terms; ++j, power_of_x *= x_[k])
+    c(1, n_law_ + j) = c(2, n_law_ + n_terms + j) = power_of_x;
+  if (scatter_.has_normal_part) c(3, n_parameters() - 1) = 1.0;
+  return c;
 }
 
 std::size_t LawLikelihood::information_stride() const {
@@ -145,11 +108,8 @@ Eigen::MatrixXd LawLikelihood::information(const Eigen::VectorXd& theta) const {
   Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(n_parameters(), n_parameters());
   std::size_t n = 0;
   const Shape common = shape(theta);
-  Eigen::VectorXd c(n_parameters());
-  for (std::size_t k = stride / 2; k < data_.size(); k += stride, ++n) {
-    fill_design(theta, k, c.data());
-    add_weighted_square(expanded(information_of(theta, common, k)), c, sum);
-  }
+  for (std::size_t k = stride / 2; k < data_.size(); k += stride, ++n)
+    sum += congruence(design(theta, k), information_of(theta, common, k));
   sum *= static_cast<double>(data_.size()) / static_cast<double>(n);
   add_penalty_curvature(theta, sum);
   return sum;
@@ -158,27 +118,12 @@ Eigen::MatrixXd LawLikelihood::information(const Eigen::VectorXd& theta) const {
 std::vector<Eigen::MatrixXd> LawLikelihood::information_by_drop(const Eigen::VectorXd& theta) const {
   const std::size_t stride = information_stride();
   const Shape common = shape(theta);
-  std::vector<Eigen::MatrixXd> of_samples;
+  std::vector<Eigen::Matrix4d> of_samples;
   for (std::size_t k = stride / 2; k < data_.size(); k += stride)
-    of_samples.push_back(expanded(information_of(theta, common, k)));
-  const std::vector<std::vector<std::size_t>> samples = samples_by_drop(data_.drop, n_drops());
-  // of n samples in M drops, n / M each: 1e4 of them all tell each drop's share, 1 / M, to 1e-4 of the whole
-  constexpr std::size_t kEnough = 10000;
-  const std::size_t of_drop = std::max<std::size_t>(1, data_.size() / kEnough);
-  std::vector<Eigen::MatrixXd> sums(samples.size(), Eigen::MatrixXd::Zero(n_parameters(), n_parameters()));
-  parallel_for(blocks_of_drops(samples.size()), 0, [&](std::size_t block) {
-    Eigen::VectorXd c(n_parameters());
-    for (std::size_t d = block * kDrops; d < std::min(samples.size(), (block + 1) * kDrops); ++d) {
-      const std::size_t n = samples[d].size();
-      double n_taken = 0.0;
-      for (std::size_t i = std::min(of_drop / 2, n - 1); i < n; i += of_drop, n_taken += 1.0) {
-        const std::size_t k = samples[d][i];
-        fill_design(theta, k, c.data());
-        add_weighted_square(of_samples[std::min(k / stride, of_samples.size() - 1)], c, sums[d]);
-      }
-      if (of_drop > 1) sums[d] *= static_cast<double>(n) / n_taken;
-    }
-  });
+    of_samples.push_back(information_of(theta, common, k));
+  std::vector<Eigen::MatrixXd> sums(n_drops(), Eigen::MatrixXd::Zero(n_parameters(), n_parameters()));
+  for (std::size_t k = 0; k < data_.size(); ++k)
+    sums[data_.drop[k]] += congruence(design(theta, k), of_samples[std::min(k / stride, of_samples.size() - 1)]);
   return sums;
 }
 

@@ -2,6 +2,7 @@
 #include "law/law_search.hpp"
 
 #include <algorithm>
+#include <functional>
 #include <numbers>
 #include <utility>
 
@@ -101,6 +102,17 @@ double log_scale_of_few(const LawData& data, const Eigen::VectorXd& fitted, std:
   return log(std::max(mean_of_median(std::move(distances)), 1e-8));
 }
 
+/// Of two exponentials half of the variance to a normal part: both can be seen from there.
+Eigen::VectorXd with_normal_part(const Eigen::VectorXd& exponentials, const ScatterFamily& scatter,
+                                 Eigen::Index n_law) {
+  constexpr double kHalf = 0.5 * std::numbers::ln2;
+  Eigen::VectorXd theta(exponentials.size() + 1);
+  theta << exponentials, kHalf;
+  theta[n_law] -= kHalf;
+  theta[n_law + static_cast<Eigen::Index>(scatter.n_terms)] -= kHalf;
+  return theta;
+}
+
 }  // namespace
 
 std::optional<FirstLook> first_look(const LawData& data, const LawModel& model) {
@@ -138,22 +150,7 @@ Eigen::VectorXd start_values(const FirstLook& look, const ScatterFamily& scatter
   }
   Eigen::VectorXd theta(law.size() + 2 * n_terms);
   theta << law, below, above;
-  return scatter.has_normal_part() ? with_normal_part(theta, scatter, law.size()) : theta;
-}
-
-Eigen::VectorXd start_values(const LawData& data, const LawModel& model, const ScatterFamily& scatter) {
-  const std::optional<FirstLook> look = first_look(data, model);
-  return look ? start_values(*look, scatter) : Eigen::VectorXd();
-}
-
-Eigen::VectorXd with_normal_part(const Eigen::VectorXd& exponentials, const ScatterFamily& scatter,
-                                 Eigen::Index n_law) {
-  constexpr double kHalf = 0.5 * std::numbers::ln2;
-  Eigen::VectorXd theta(exponentials.size() + 1);
-  theta << exponentials, kHalf;
-  theta[n_law] -= kHalf;
-  theta[n_law + static_cast<Eigen::Index>(scatter.n_terms)] -= kHalf;
-  return theta;
+  return scatter.has_normal_part ? with_normal_part(theta, scatter, law.size()) : theta;
 }
 
 namespace {
@@ -166,29 +163,11 @@ constexpr std::size_t kManySamples = 1000;  // enough to tell two exponentials f
 /// Numbers of terms in log b(v) to choose from by BIC; the first decides about the normal part, and has to follow the
 /// widths well: normal scatter of widths that go with speed, taken as one width, looks like exponentials.
 std::vector<std::size_t> numbers_of_terms(const LawFitConfig& config, std::size_t n) {
-  constexpr std::size_t kFew = 30;
+  constexpr std::size_t kFew = 30, kVeryMany = 20000;
   if (config.n_scatter_terms > 0) return {config.n_scatter_terms};
   if (n >= kVeryMany) return {3, 6};  // the widths' shape is resolved beyond a parabola
   if (n < kFew) return {1};
   return {3, 2, 1};
-}
-
-/// Every n-th of very many samples: their maximum is a few standard errors of all samples off.
-std::optional<LawData> some_of(const LawData& data) {
-  constexpr std::size_t kEnough = 10000;
-  const std::size_t stride = data.size() / kEnough;
-  return stride < 4 ? std::nullopt : std::optional(thinned(data, stride));
-}
-
-/// By a search from `start`; of very many samples from the maximum of every n-th of them, which takes a fraction of a
-/// pass over all.
-Maximum find_maximum(const LawLikelihood& likelihood, Eigen::VectorXd start) {
-  if (const std::optional<LawData> some = some_of(likelihood.data()))
-    start = find_maximum(LawLikelihood(*some, likelihood.model(), likelihood.scatter()), std::move(start)).x;
-  const LogLikelihood function = [&](const Eigen::VectorXd& x, Eigen::VectorXd* g) { return likelihood(x, g); };
-  const Maximum maximum = maximise(function, start, likelihood.information(start));
-  // the metric of a poor start may be poor: once more from where it led
-  return maximum.converged ? maximum : maximise(function, maximum.x, likelihood.information(maximum.x));
 }
 
 /// @param start  the timing errors are widened by its scales
@@ -202,7 +181,10 @@ Candidate fit_family(const LawData& data, const LawModel& model, const ScatterFa
   widen(candidate.data, scatter_model_of(start, model.n_parameters(), family),
         std::sqrt(static_cast<double>(model.n_parameters()) / n));
   const LawLikelihood likelihood(candidate.data, model, candidate.family);
-  candidate.maximum = find_maximum(likelihood, near);
+  candidate.maximum = maximise(std::cref(likelihood), near, likelihood.information(near));
+  if (!candidate.maximum.converged)  // the metric of a poor start may be poor: once more from where it led
+    candidate.maximum =
+        maximise(std::cref(likelihood), candidate.maximum.x, likelihood.information(candidate.maximum.x));
   candidate.bic = static_cast<double>(likelihood.n_parameters()) * log(n) - 2.0 * candidate.maximum.loglik;
   return candidate;
 }
@@ -211,33 +193,26 @@ bool is_better(const Candidate& a, const Candidate& b) {
   return (a.maximum.converged && !b.maximum.converged) || (a.maximum.converged == b.maximum.converged && a.bic < b.bic);
 }
 
-/// Whether the normal part is larger than the exponentials.
-bool is_large_part(const Candidate& candidate) { return candidate.maximum.x[candidate.maximum.x.size() - 1] > 0.0; }
-
 }  // namespace
 
 std::optional<Candidate> best_candidate(const LawData& data, const LawModel& model, const LawFitConfig& config) {
   std::optional<Candidate> best;
   const std::optional<FirstLook> look = first_look(data, model);
   if (!look) return best;
-  std::optional<ScatterKind> kind;  // whatever the widths do
-  if (const std::optional<LawData> some = some_of(data))
-    if (const auto of_some = best_candidate(*some, model, config)) kind = of_some->family.kind;
   for (const std::size_t n_terms : numbers_of_terms(config, data.size())) {
-    ScatterFamily family{ScatterKind::normal_laplace, n_terms, data.v_mps[data.size() / 2], kLostShare};
-    if (best) kind = best->family.kind;
-    if (kind) family.kind = *kind;
+    const ScatterFamily family{!best || best->family.has_normal_part, n_terms, data.v_mps[data.size() / 2], kLostShare};
     Eigen::VectorXd start = start_values(*look, family);
-    const bool undecided = !kind && data.size() >= kManySamples;
+    const bool undecided = !best && data.size() >= kManySamples;
     if (undecided) {
       ScatterFamily exponentials = family;
-      exponentials.kind = ScatterKind::asymmetric_laplace;
+      exponentials.has_normal_part = false;
       const Eigen::VectorXd of_exponentials = start_values(*look, exponentials);
       best = fit_family(data, model, exponentials, of_exponentials, of_exponentials);
       if (best->maximum.converged) start = with_normal_part(best->maximum.x, family, model.n_parameters());
     }
     Candidate candidate = fit_family(data, model, family, start, start);
-    const bool rounds_the_peak = undecided && best && best->maximum.converged && !is_large_part(candidate);
+    // a normal part that is smaller than the exponentials
+    const bool rounds_the_peak = undecided && best->maximum.converged && !(candidate.maximum.x.tail(1)[0] > 0.0);
     if (!best || (is_better(candidate, *best) && !rounds_the_peak)) best = std::move(candidate);
   }
   return best;
@@ -255,8 +230,9 @@ bool remove_outliers(const LawData& data, const LawModel& model, const Candidate
   if (!(fit.family.lost_share > 0.0)) return false;
   const LawLikelihood likelihood(data, model, fit.family);
   const std::vector<double> p = likelihood.probabilities_of_lost(fit.maximum.x);
+  const Eigen::VectorXd fitted = model.eps(data.v_mps, fit.maximum.x.head(model.n_parameters()));
   const auto is_lost = [&](std::size_t k) {
-    return p[k] > 0.5 && std::abs(data.eps[k] - likelihood.eps_of(fit.maximum.x, k)) > kLeastOfLost;
+    return p[k] > 0.5 && std::abs(data.eps[k] - fitted[static_cast<Eigen::Index>(k)]) > kLeastOfLost;
   };
   std::vector<std::size_t> kept, lost;
   for (std::size_t k = 0; k < data.size(); ++k) (is_lost(k) ? lost : kept).push_back(rows[k]);

@@ -25,11 +25,6 @@ std::optional<FirstLook> first_look(const LawData& data, const LawModel& model);
 
 /// The whole theta of `scatter`.
 Eigen::VectorXd start_values(const FirstLook& look, const ScatterFamily& scatter);
-/// Of its first look, empty where there is none.
-Eigen::VectorXd start_values(const LawData& data, const LawModel& model, const ScatterFamily& scatter);
-
-/// Of two exponentials half of the variance to a normal part: both can be seen from there.
-Eigen::VectorXd with_normal_part(const Eigen::VectorXd& exponentials, const ScatterFamily& scatter, Eigen::Index n_law);
 
 inline constexpr std::size_t kFewest = 3;  // below, a mean has no scatter that it could be judged by
 

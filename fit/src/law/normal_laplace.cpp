@@ -257,17 +257,6 @@ double mills_ratio(double u) {
 
 namespace {
 
-Eigen::Matrix4d pure_laplace_information(double b_below, double b_above) {
-  const double p = b_above / (b_below + b_above), q = 1.0 - p;
-  const double cross = 1.0 / (b_below + b_above);
-  Eigen::Matrix4d information;
-  information << 1.0 / (b_below * b_above), -cross, cross, 0.0,  //
-      -cross, q * (2.0 - q), -p * q, 0.0,                        //
-      cross, -p * q, p * (2.0 - p), 0.0,                         //
-      0.0, 0.0, 0.0, 0.0;
-  return information;
-}
-
 /// Adds weight f score score^T at the points of one panel.
 void add_panel(double lo, double hi, const SidesBlock& sides, const Block& tau, const Block& inverse_tau,
                Eigen::Matrix4d& sum) {
@@ -287,7 +276,6 @@ void add_panel(double lo, double hi, const SidesBlock& sides, const Block& tau, 
 }  // namespace
 
 Eigen::Matrix4d normal_laplace_information(double b_below, double b_above, double tau) {
-  if (!(tau > 1e-6 * std::min(b_below, b_above))) return pure_laplace_information(b_below, b_above);
   SidesBlock sides;
   sides.fill(b_below, b_above);
   Block taus, inverse_taus;

@@ -57,7 +57,7 @@ void normal_cdf_each(std::span<double> z);
 double mills_ratio(double u);
 
 /// Expected Fisher information of one observation on (location, log b_below, log b_above, log tau): E[score score^T],
-/// by Gauss-Legendre quadrature, relative error below 1e-5; closed form for tau = 0.
+/// by Gauss-Legendre quadrature, relative error below 1e-5. @param tau  > 0
 Eigen::Matrix4d normal_laplace_information(double b_below, double b_above, double tau);
 
 /// Where the density of normal-Laplace scatter is highest: from the point where its exponentials join, in units of

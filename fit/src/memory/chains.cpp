@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "bouncelab/core/elementary.hpp"
 
@@ -28,46 +29,33 @@ double s_before(double v_mps, std::int64_t impact, const RestitutionLaw& law) {
 /// Variances of the times of impacts, from what samples state of v and eps: with s_i the variance at impact i and T_i
 /// the interval before it, (2 sigma_v / g)^2 = s_i + s_{i-1} and (T_i sigma_eps)^2 = s_{i+1} + (1 + eps)^2 s_i +
 /// eps^2 s_{i-1}; three unknowns for two equations of one sample, and one more equation from the next.
-class TimeVariances {
- public:
-  TimeVariances(const RestitutionSamples& samples, std::size_t begin, std::size_t end)
-      : samples_(samples), begin_(begin), end_(end) {}
-
-  /// Of the impact before the first sample, then of each sample, then of the one after the last [s^2].
-  std::vector<double> all() const {
-    std::vector<double> variances(end_ - begin_ + 2, 0.0);
-    for (std::size_t k = begin_; k < end_; ++k) variances[k - begin_ + 1] = here(k);
-    variances.front() = std::max(0.0, pair(begin_) - variances[1]);
-    const RestitutionSample& last = samples_[end_ - 1];
-    const std::size_t n = end_ - begin_;
-    variances.back() =
-        std::max(0.0, of_eps(end_ - 1) - square(1.0 + last.eps) * variances[n] - square(last.eps) * variances[n - 1]);
-    return variances;
-  }
-
- private:
-  double pair(std::size_t k) const {
-    const double sigma = samples_[k].sigma_v_mps.value_or(0.0);
-    return sigma > 0.0 ? square(2.0 * sigma / gravity_of(samples_[k])) : 2.0 * alike(k);
-  }
-  double of_eps(std::size_t k) const {
-    const RestitutionSample& s = samples_[k];
+/// @return of the impact before the first sample, then of each sample, then of the one after the last [s^2]
+std::vector<double> time_variances(std::span<const RestitutionSample> chain) {
+  const auto of_eps = [](const RestitutionSample& s) {
     return square(s.sigma_eps.value_or(0.0) * 2.0 * s.v_mps / gravity_of(s));
-  }
+  };
   /// Were all three times as good as each other.
-  double alike(std::size_t k) const {
-    const double e = samples_[k].eps;
-    return of_eps(k) / (1.0 + square(1.0 + e) + square(e));
+  const auto alike = [&](const RestitutionSample& s) {
+    return of_eps(s) / (1.0 + square(1.0 + s.eps) + square(s.eps));
+  };
+  const auto pair = [&](const RestitutionSample& s) {
+    const double sigma = s.sigma_v_mps.value_or(0.0);
+    return sigma > 0.0 ? square(2.0 * sigma / gravity_of(s)) : 2.0 * alike(s);
+  };
+  std::vector<double> variances{0.0};
+  for (std::size_t k = 0; k < chain.size(); ++k) {
+    const RestitutionSample& s = chain[k];
+    variances.push_back(
+        k + 1 == chain.size() || !s.sigma_v_mps || !s.sigma_eps
+            ? alike(s)
+            : std::clamp((of_eps(s) - pair(chain[k + 1]) - square(s.eps) * pair(s)) / (2.0 * s.eps), 0.0, pair(s)));
   }
-  double here(std::size_t k) const {
-    const RestitutionSample& s = samples_[k];
-    if (k + 1 == end_ || !s.sigma_v_mps || !s.sigma_eps) return alike(k);
-    return std::clamp((of_eps(k) - pair(k + 1) - square(s.eps) * pair(k)) / (2.0 * s.eps), 0.0, pair(k));
-  }
-
-  const RestitutionSamples& samples_;
-  std::size_t begin_, end_;
-};
+  variances.front() = std::max(0.0, pair(chain.front()) - variances[1]);
+  const RestitutionSample& last = chain.back();
+  const double here = variances.back(), before = variances[variances.size() - 2];
+  variances.push_back(std::max(0.0, of_eps(last) - square(1.0 + last.eps) * here - square(last.eps) * before));
+  return variances;
+}
 
 /// Whether b is the next impact of a. Tables may number their rows where they know nothing of drops; but no flight
 /// changes the speed so much.
@@ -79,7 +67,7 @@ bool follows(const RestitutionSample& a, const RestitutionSample& b) {
 
 Chain chain_of(const RestitutionSamples& samples, std::size_t begin, std::size_t end, const RestitutionLaw& law) {
   Chain chain;
-  const std::vector<double> variances = TimeVariances(samples, begin, end).all();
+  const std::vector<double> variances = time_variances(std::span(samples).subspan(begin, end - begin));
   for (std::size_t k = begin; k < end; ++k) {
     const RestitutionSample& s = samples[k];
     const double half_g = 0.5 * gravity_of(s), scale = square(half_g);

@@ -129,15 +129,6 @@ inline EmissionInput<double> values_of(const EmissionInput<Jet>& in) {
 }
 inline EmissionInput<double> values_of(const EmissionInput<double>& in) { return in; }
 
-/// K'(s) alone.
-template <class T>
-T first_cumulant(const EmissionInput<T>& in, const T& s) {
-  const T u = 1.0 + in.b * s, inverse = 1.0 / u;
-  const T a0 = 0.5 * in.a * s * s * inverse, a1 = 0.5 * in.a * s * (1.0 + u) * inverse * inverse;
-  return a1 * (in.reservoir + in.reservoir_variance * a0 + in.covariance * s) + in.covariance * a0 - in.b * inverse +
-         in.noise_mean + in.noise_variance * s;
-}
-
 struct Saddlepoint {
   double s, curvature;  ///< K''(s)
 };
@@ -150,13 +141,8 @@ inline Saddlepoint saddlepoint(const EmissionInput<double>& in) {
   if (s <= 0.7 * edge) s = 0.7 * edge;
   double curvature = k2;
   for (int i = 0; i < 100; ++i) {
-    const double u = 1.0 + in.b * s, inverse = 1.0 / u, b = in.b * inverse;
-    const double a0 = 0.5 * in.a * s * s * inverse, a1 = 0.5 * in.a * s * (1.0 + u) * inverse * inverse;
-    const double a2 = in.a * inverse * inverse * inverse;
-    const double mean = in.reservoir + in.reservoir_variance * a0 + in.covariance * s;
-    const double miss = a1 * mean + in.covariance * a0 - b + in.noise_mean + in.noise_variance * s - in.y;
-    const double slope =
-        a2 * mean + a1 * (in.reservoir_variance * a1 + 2.0 * in.covariance) + b * b + in.noise_variance;
+    const Cumulants<double> at(in, s);
+    const double miss = at.k1 - in.y, slope = at.k2;
     (miss > 0.0 ? hi : lo) = s;
     double next = slope > 0.0 ? s - miss / slope : s;
     if (!(next > lo && next < hi) || !(slope > 0.0)) next = std::isinf(hi) ? s + 1.0 / std::sqrt(k2) : 0.5 * (lo + hi);
@@ -177,7 +163,7 @@ Emission<T> emission(const EmissionInput<T>& in) {
   Emission<T> out;
   const Saddlepoint found = saddlepoint(values_of(in));
   // one step with derivatives: of the solution by all it depends on
-  const T s = found.s - (first_cumulant(in, T(found.s)) - in.y) / found.curvature;
+  const T s = found.s - (Cumulants<T>(in, T(found.s)).k1 - in.y) / found.curvature;
   out.saddlepoint = number_of(s);
   const Cumulants<T> c(in, s);
   const T inverse = 1.0 / c.k2, skew = c.k3 * inverse * inverse;

@@ -44,15 +44,7 @@ Eigen::VectorXd start_with(const Chains& chains, const LawModel& model, const La
                            Eigen::Index n_parameters) {
   Eigen::VectorXd theta = Eigen::VectorXd::Zero(n_parameters);
   const Eigen::Index n_law = model.n_parameters();
-  if (model.kind == LawKind::viscoelastic) {
-    const double v = chains.chains.front().impacts.front().v_mps;
-    theta[0] = log_gamma_through(v, restitution(*independent.law, v));
-  } else if (model.kind == LawKind::constant) {
-    theta[0] = restitution(*independent.law, chains.chains.front().impacts.front().v_mps);
-  } else {
-    for (Eigen::Index j = 0; j < n_law; ++j)
-      theta[j] = restitution(*independent.law, model.node_v_mps[static_cast<std::size_t>(j)]);
-  }
+  theta.head(n_law) = model.values_of(*independent.law);
   const double s = chains.least_s_before, log_q = first_log_q(chains, independent, (ratio - 1.0) * s);
   theta[n_law] = log_q;
   theta[n_law + 1] = 1.0;
@@ -175,8 +167,8 @@ Eigen::MatrixXd covariance_of(const Posterior& posterior, const Eigen::MatrixXd&
   return congruence(jacobian.transpose(), posterior.covariance.topLeftCorner(n, n));
 }
 
-void describe_law(MemoryFit& fit, const LawModel& model, const Posterior& posterior, std::vector<double> nodes_mps,
-                  const std::vector<double>& speeds) {
+void describe_law(MemoryFit& fit, const LawModel& model, const Posterior& posterior,
+                  const std::vector<NodeEstimate>& nodes, double v_middle) {
   const Eigen::Index n_law = model.n_parameters();
   const Eigen::VectorXd q = posterior.mean.head(n_law);
   const std::vector<std::string> names = model.names();
@@ -185,15 +177,13 @@ void describe_law(MemoryFit& fit, const LawModel& model, const Posterior& poster
                                 return model.reported(theta.head(n_law))[static_cast<Eigen::Index>(i)];
                               })});
   const Eigen::MatrixXd covariance = covariance_of(posterior, model.reported_jacobian(q));
-  const double v_middle = median(speeds);
   mark_identified(fit.parameters, model, correlation_of(covariance), v_middle,
                   model.eps(std::span(&v_middle, 1), q)[0]);
   fit.covariance = to_matrix(covariance);
   const auto eps_at = [&](double v) {
     return [&, v](const Eigen::VectorXd& theta) { return model.eps(std::span(&v, 1), theta.head(n_law))[0]; };
   };
-  if (nodes_mps.empty()) nodes_mps = node_speeds(speeds);
-  for (const double v : nodes_mps) fit.nodes.push_back({v, estimate_of(posterior, eps_at(v))});
+  for (const NodeEstimate& node : nodes) fit.nodes.push_back({node.v_mps, estimate_of(posterior, eps_at(node.v_mps))});
   fit.law = model.law(q);
 }
 
@@ -213,11 +203,13 @@ std::vector<Note> objections(const MemoryFit& fit) {
 }
 
 /// Fills in what the parameters say, how well they are known, and whether the model may be believed.
-/// @param theta   where the likelihood has its maximum and its plan
-/// @param scores  scores_by_impact() there
-/// @param speeds  of all samples [m/s]
-void describe(MemoryFit& fit, const MemoryLikelihood& likelihood, const Eigen::VectorXd& theta,
-              const Eigen::MatrixXd& scores, const MemoryFitConfig& config, const std::vector<double>& speeds) {
+/// @param found     where the likelihood has its maximum and its plan
+/// @param nodes     at whose speeds eps(v) is reported
+/// @param v_middle  of all samples [m/s]
+void describe(MemoryFit& fit, const MemoryLikelihood& likelihood, const Found& found, const MemoryFitConfig& config,
+              const std::vector<NodeEstimate>& nodes, double v_middle) {
+  const Eigen::VectorXd& theta = found.maximum.x;
+  const Eigen::MatrixXd& scores = found.scores;
   const Eigen::Index n = likelihood.n_parameters();
   const std::array<MemoryTest*, kTestedParameters> tested{&fit.mechanism, &fit.by_speed};
   std::array<double, kTestedParameters> z{};
@@ -232,7 +224,7 @@ void describe(MemoryFit& fit, const MemoryLikelihood& likelihood, const Eigen::V
     fit.objections = {{NoteKind::memory_without_errors}};
     return;
   }
-  describe_law(fit, likelihood.model(), posterior, config.node_speeds_mps, speeds);
+  describe_law(fit, likelihood.model(), posterior, nodes, v_middle);
   const auto estimate = [&](Eigen::Index i) {
     return estimate_of(posterior, [i](const Eigen::VectorXd& x) { return x[i]; });
   };
@@ -308,7 +300,7 @@ MemoryFit fit_memory(const RestitutionSamples& samples, const LawFit& independen
   }
   fit.loglik_independent = loglik_independent(chains, independent);
   fit.status = FitStatus::ok;
-  describe(fit, likelihood, found.maximum.x, found.scores, config, speeds);
+  describe(fit, likelihood, found, config, independent.nodes, median(speeds));
   return fit;
 }
 
@@ -340,7 +332,6 @@ RoughnessResult measure_roughness(const RestitutionSamples& samples, const Rough
     MemoryFitConfig memory;
     memory.seed = config.seed;
     memory.n_goodness = config.n_goodness;
-    for (const NodeEstimate& node : independent.nodes) memory.node_speeds_mps.push_back(node.v_mps);
     result.memory = fit_memory(used, independent, memory);
     if (!independent.outliers.empty()) left_out.n["outlier"] = independent.outliers.size();
   });

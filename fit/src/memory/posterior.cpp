@@ -161,10 +161,6 @@ Chain draw_chain(const Chain& like, const RestitutionLaw& law, const MemoryParam
   return chain;
 }
 
-double statistic(const MemoryLikelihood& likelihood, const Eigen::VectorXd& theta) {
-  return anderson_darling(likelihood.transforms(theta));
-}
-
 }  // namespace
 
 double two_sided(double z) { return erfc(std::abs(z) * 0.70710678118654752); }
@@ -221,7 +217,7 @@ ModelTests tests_by_drawing(const MemoryLikelihood& likelihood, const Eigen::Vec
     const Eigen::MatrixXd fitted = scores.topRows(theta.size());
     result.drops = drops_over_impacts(those, fitted, gram(fitted) + those.prior_information(theta));
     if (random == nullptr) {
-      result.a2 = statistic(those, theta);
+      result.a2 = anderson_darling(those.transforms(theta));
       return result;
     }
     for (std::size_t j = 0; j < result.z.size(); ++j)
@@ -230,7 +226,7 @@ ModelTests tests_by_drawing(const MemoryLikelihood& likelihood, const Eigen::Vec
     for (double& x : others) x = random->normal();
     const Eigen::VectorXd in_white =
         transposed_product(white, fitted.rowwise().sum()) + std::sqrt(1.0 - share) * others;
-    result.a2 = statistic(those, theta + product(white, in_white));
+    result.a2 = anderson_darling(those.transforms(theta + product(white, in_white)));
     return result;
   };
 

@@ -41,11 +41,6 @@ double root_of_form(const std::vector<double>& x, const Matrix& matrix) {
   return std::sqrt(std::max(0.0, sum));
 }
 
-/// Derivatives of the gain of one impact by the speeds before and after it, eps taken as constant.
-struct GainDerivatives {
-  double by_v, by_v_after;
-};
-
 ReservoirGain gain_of(const ImpactChain& chain, const LawWithErrors& fitted, double q, double gravity_mps2) {
   ReservoirGain result;
   double offset_variance = 0.0;
@@ -61,10 +56,11 @@ ReservoirGain gain_of(const ImpactChain& chain, const LawWithErrors& fitted, dou
     for (std::size_t i = 0; i < by_parameter.size(); ++i)
       by_parameter[i] += 2.0 * v_c * v_c * law_derivative(fitted.law, fitted.parameters[i].name, v_c);
     if (by_time.empty()) continue;
-    const GainDerivatives d{2.0 * v - 2.0 * lost * v_c, -2.0 * after - 2.0 * lost * v_c};
-    by_time[k] -= 0.5 * gravity_mps2 * d.by_v;
-    by_time[k + 1] += 0.5 * gravity_mps2 * (d.by_v - d.by_v_after);
-    by_time[k + 2] += 0.5 * gravity_mps2 * d.by_v_after;
+    // of the gain by the speeds before and after the impact, eps taken as constant
+    const double by_v = 2.0 * v - 2.0 * lost * v_c, by_v_after = -2.0 * after - 2.0 * lost * v_c;
+    by_time[k] -= 0.5 * gravity_mps2 * by_v;
+    by_time[k + 1] += 0.5 * gravity_mps2 * (by_v - by_v_after);
+    by_time[k + 2] += 0.5 * gravity_mps2 * by_v_after;
   }
   double timing_variance = 0.0;
   for (std::size_t k = 0; k < by_time.size(); ++k) timing_variance += square(by_time[k] * chain.sigma_t_s[k]);

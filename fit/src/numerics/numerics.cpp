@@ -13,7 +13,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <mutex>
 
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/numerics.hpp"
@@ -120,20 +119,27 @@ struct Evaluated {
 class WhitenedCost final : public ceres::FirstOrderFunction {
  public:
   WhitenedCost(const LogLikelihood& loglik, const Eigen::VectorXd& start, const Eigen::MatrixXd& whitening,
-               double loglik_at_start, Evaluated& last, Evaluated& best)
-      : loglik_(loglik), start_(start), whitening_(whitening), at_start_(loglik_at_start), last_(last), best_(best) {}
+               const Evaluated& at_start)
+      : last(at_start),
+        best(at_start),
+        loglik_(loglik),
+        start_(start),
+        whitening_(whitening),
+        at_start_(at_start.loglik) {}
+
+  mutable Evaluated last, best;
 
   bool Evaluate(const double* parameters, double* cost, double* gradient) const override {
     const Eigen::Map<const Eigen::VectorXd> y(parameters, start_.size());
-    if (last_.y != y) {
+    if (last.y != y) {
       Eigen::VectorXd by_x;
       const double value = loglik_(start_ + product(whitening_, y), &by_x);
       if (!std::isfinite(value) || !by_x.allFinite()) return false;
-      last_ = {y, transposed_product(whitening_, by_x), value};
-      if (value > best_.loglik) best_ = last_;
+      last = {y, transposed_product(whitening_, by_x), value};
+      if (value > best.loglik) best = last;
     }
-    *cost = at_start_ - last_.loglik;
-    if (gradient) Eigen::Map<Eigen::VectorXd>(gradient, start_.size()) = -last_.gradient_by_y;
+    *cost = at_start_ - last.loglik;
+    if (gradient) Eigen::Map<Eigen::VectorXd>(gradient, start_.size()) = -last.gradient_by_y;
     return true;
   }
   int NumParameters() const override { return static_cast<int>(start_.size()); }
@@ -143,36 +149,14 @@ class WhitenedCost final : public ceres::FirstOrderFunction {
   const Eigen::VectorXd& start_;
   const Eigen::MatrixXd& whitening_;
   double at_start_;
-  Evaluated &last_, &best_;
 };
 
-/// Ceres comments on degenerate line searches on standard error; what the search came to is in its result. Searches run
-/// side by side: the first silences, the last restores.
-#ifdef __EMSCRIPTEN__  // its log is compiled without comments (tools/web/build)
-struct QuietCeres {
-  QuietCeres() {}
-};
-#else
-class QuietCeres {
- public:
-  QuietCeres() {
-    const std::lock_guard lock(mutex_);
-    if (n_searches_++ > 0) return;
-    level_ = FLAGS_minloglevel;
-    FLAGS_minloglevel = google::GLOG_ERROR;
-  }
-  ~QuietCeres() {
-    const std::lock_guard lock(mutex_);
-    if (--n_searches_ == 0) FLAGS_minloglevel = level_;
-  }
-  QuietCeres(const QuietCeres&) = delete;
-  QuietCeres& operator=(const QuietCeres&) = delete;
-
- private:
-  static inline std::mutex mutex_;
-  static inline int n_searches_ = 0, level_ = 0;
-};
+/// Ceres comments on degenerate line searches on standard error; what the search came to is in its result.
+void silence_ceres() {
+#ifndef __EMSCRIPTEN__  // its log is compiled without comments (tools/web/build)
+  [[maybe_unused]] static const int level = FLAGS_minloglevel = google::GLOG_ERROR;
 #endif
+}
 
 ceres::GradientProblemSolver::Options solver_options(double tolerance) {
   ceres::GradientProblemSolver::Options options;
@@ -199,19 +183,17 @@ Maximum maximise(const LogLikelihood& loglik, const Eigen::VectorXd& start, cons
   if (!std::isfinite(result.loglik)) return result;
   const Eigen::MatrixXd white = whitening(information, 1e-6);
   Eigen::VectorXd y = Eigen::VectorXd::Zero(start.size());
-  Evaluated last{y, transposed_product(white, gradient), result.loglik};
-  Evaluated best = last;
-  const WhitenedCost cost(loglik, start, white, result.loglik, last, best);
-  ceres::GradientProblem problem(new WhitenedCost(cost));
+  auto* const cost = new WhitenedCost(loglik, start, white, {y, transposed_product(white, gradient), result.loglik});
+  ceres::GradientProblem problem(cost);
   ceres::GradientProblemSolver::Summary summary;
-  const QuietCeres quiet;
+  silence_ceres();
   ceres::Solve(solver_options(tolerance), problem, y.data(), &summary);
   // a search that fails, as where steps end in the impossible, gives nothing of what it found
-  if (!summary.IsSolutionUsable()) y = best.y;
+  if (!summary.IsSolutionUsable()) y = cost->best.y;
   result.x = start + product(white, y);
-  if (double ignored = 0.0; last.y != y && !cost.Evaluate(y.data(), &ignored, nullptr)) return result;
-  result.loglik = last.loglik;
-  result.gain_left = 0.5 * last.gradient_by_y.squaredNorm();
+  if (double ignored = 0.0; !cost->Evaluate(y.data(), &ignored, nullptr)) return result;
+  result.loglik = cost->last.loglik;
+  result.gain_left = 0.5 * cost->last.gradient_by_y.squaredNorm();
   result.converged = summary.IsSolutionUsable() && result.gain_left < 1e-4;
   return result;
 }

@@ -25,16 +25,6 @@ std::optional<Flag> breaking_flag(const Onset& onset) {
   return std::nullopt;
 }
 
-std::optional<double> sigma_of_eps(const Onset& before, const Onset& here, const Onset& after, double eps, double t_s) {
-  if (!before.sigma_t_s || !here.sigma_t_s || !after.sigma_t_s) return std::nullopt;
-  return hypot(*after.sigma_t_s, (1.0 + eps) * *here.sigma_t_s, eps * *before.sigma_t_s) / t_s;
-}
-
-std::optional<double> sigma_of_v(const Onset& before, const Onset& here, double gravity_mps2) {
-  if (!before.sigma_t_s || !here.sigma_t_s) return std::nullopt;
-  return 0.5 * gravity_mps2 * hypot(*before.sigma_t_s, *here.sigma_t_s);
-}
-
 RestitutionSample sample_of(const Onset& here) {
   RestitutionSample sample;
   sample.recording = here.recording;
@@ -50,8 +40,11 @@ RestitutionSample sample_at(std::span<const Onset> piece, std::size_t k, const R
   RestitutionSample sample = sample_of(here);
   sample.v_mps = 0.5 * config.gravity_mps2 * before_s;
   sample.eps = after_s / before_s;
-  sample.sigma_v_mps = sigma_of_v(before, here, config.gravity_mps2);
-  sample.sigma_eps = sigma_of_eps(before, here, after, sample.eps, before_s);
+  if (!before.sigma_t_s || !here.sigma_t_s) return sample;
+  sample.sigma_v_mps = 0.5 * config.gravity_mps2 * hypot(*before.sigma_t_s, *here.sigma_t_s);
+  if (after.sigma_t_s)
+    sample.sigma_eps =
+        hypot(*after.sigma_t_s, (1.0 + sample.eps) * *here.sigma_t_s, sample.eps * *before.sigma_t_s) / before_s;
   return sample;
 }
 
@@ -226,8 +219,8 @@ SampleConditions conditions_of(const RestitutionConfig& config) {
 
 }  // namespace
 
-RestitutionInPieces::RestitutionInPieces(RestitutionConfig config)
-    : config_(std::move(config)), conditions_(conditions_of(config_)) {
+RestitutionInPieces::RestitutionInPieces(const RestitutionConfig& config)
+    : config_(config), conditions_(conditions_of(config)) {
   check(config_);
 }
 

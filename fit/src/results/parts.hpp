@@ -44,8 +44,6 @@ constexpr Member estimates_by_name() {
       "matrices");
 }
 
-/// The points of a curve as two lists.
-Object as_columns(const std::vector<CurvePoint>& curve, const std::string& x, const std::string& y);
 /// The roughness where the fit has a result, else not known.
 Value roughness_if_fitted(const MemoryFit& memory);
 

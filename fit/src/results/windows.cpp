@@ -13,7 +13,8 @@ Object by_name(const std::vector<NamedEstimate>& parameters) {
   return all;
 }
 
-Object as_columns(const std::vector<CurvePoint>& curve, const std::string& x, const std::string& y) {
+/// The points of a curve as two lists.
+static Object as_columns(const std::vector<CurvePoint>& curve, const std::string& x, const std::string& y) {
   std::vector<double> xs, ys;
   for (const CurvePoint& p : curve) {
     xs.push_back(p.x);

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -21,60 +22,51 @@
 namespace bouncelab::fit {
 namespace {
 
-/// Error of one quantity of a window, or of its logarithm.
-struct QuantityError {
-  double se = 0.0;
-  std::optional<double> se_independent;  ///< where se is by drop
-  Interval offset68, offset95;           ///< ends of the intervals less the estimate
-};
-
 /// Two exponentials for all samples of a window, unbinned: theta = (location, log b_below, log b_above).
 struct WindowFit {
   Maximum maximum;
   std::vector<double> probabilities_below;  ///< of each sample, with its own timing error
   DropCount drops;
-  /// Of peak, log b_below, log b_above, log(b_below / b_above). By drop where there are enough drops, the law by which
-  /// samples were moved to the centre taken as known.
-  std::vector<QuantityError> errors;
+  /// By drop where there are enough drops, the law by which samples were moved to the centre taken as known.
+  Estimate peak, log_below, log_above, log_ratio;
 };
 
-ScatterFamily exponentials_of(const LawData& data) { return {ScatterKind::asymmetric_laplace, 1, data.v_mps.front()}; }
+ScatterFamily exponentials_of(const LawData& data) {
+  return {.has_normal_part = false, .n_terms = 1, .v_ref_mps = data.v_mps.front()};
+}
 
-/// Estimate of value whose error is that of sign * log(value): intervals are not symmetric.
-Estimate exponential_estimate(double log_value, const QuantityError& error, double sign) {
-  const double value = exp(log_value);
-  Estimate e = normal_estimate(value, value * error.se);
-  if (error.se_independent) e.se_independent = value * *error.se_independent;
-  const auto through = [&](const Interval& offset) {
-    const double a = value * exp(sign * offset.lo), b = value * exp(sign * offset.hi);
-    return Interval{std::min(a, b), std::max(a, b)};
-  };
-  e.ci68 = through(error.offset68);
-  e.ci95 = through(error.offset95);
+/// exp(sign ln) of an estimate of ln.
+Estimate exponential(const Estimate& ln, double sign) {
+  Estimate e = ln;
+  e.value = exp(sign * ln.value);
+  for (std::optional<double>* se : {&e.se, &e.se_independent})
+    if (*se) **se *= e.value;
+  for (std::optional<Interval>* interval : {&e.ci68, &e.ci95}) {
+    const double a = exp(sign * (*interval)->lo), b = exp(sign * (*interval)->hi);
+    *interval = Interval{std::min(a, b), std::max(a, b)};
+  }
   return e;
 }
 
 /// Of direction . theta.
-QuantityError quantity_error(const LogLikelihood& function, const WindowFit& fit, const Eigen::MatrixXd& white,
-                             const std::optional<JackknifeErrors>& by_drop, const Eigen::VectorXd& direction) {
-  QuantityError error;
-  error.se = transposed_product(white, direction).norm();
+Estimate quantity(const LogLikelihood& function, const Maximum& maximum, const Eigen::MatrixXd& white,
+                  const std::optional<JackknifeErrors>& by_drop, const Eigen::VectorXd& direction) {
+  const double value = direction.dot(maximum.x), se_independent = transposed_product(white, direction).norm();
   ProfileLevels reach, levels;
   if (by_drop) {
-    error.se_independent = error.se;
-    error.se = by_drop->standard_error(direction);
     reach = by_drop->reach();
     levels = by_drop->profile_levels_of(direction, white);
   }
-  error.offset68 = {-reach.z68 * error.se, reach.z68 * error.se};
-  error.offset95 = {-reach.z95 * error.se, reach.z95 * error.se};
-  if (!fit.maximum.converged) return error;
+  Estimate e =
+      normal_estimate(value, by_drop ? by_drop->standard_error(direction) : se_independent, reach.z68, reach.z95);
+  if (by_drop) e.se_independent = se_independent;
+  if (!maximum.converged) return e;
   const Eigen::MatrixXd* const curvature = by_drop ? &by_drop->curvature : nullptr;
-  if (const auto profile = profile_intervals(function, fit.maximum, white, direction, levels, curvature)) {
-    error.offset68 = profile->offset68;
-    error.offset95 = profile->offset95;
+  if (const auto profile = profile_intervals(function, maximum, white, direction, levels, curvature)) {
+    e.ci68 = {value + profile->offset68.lo, value + profile->offset68.hi};
+    e.ci95 = {value + profile->offset95.lo, value + profile->offset95.hi};
   }
-  return error;
+  return e;
 }
 
 /// @param data  at least 5 samples
@@ -84,39 +76,29 @@ WindowFit fit_window(const LawData& original, const LawModel& constant, const Ei
   widen(data, scatter_model_of(start, constant.n_parameters(), family),
         1.0 / std::sqrt(static_cast<double>(original.size())));
   const LawLikelihood likelihood(data, constant, family);
-  const LogLikelihood function = [&](const Eigen::VectorXd& x, Eigen::VectorXd* g) { return likelihood(x, g); };
-  WindowFit fit{maximise(function, start, likelihood.information(start)), {}, {}, {}};
+  WindowFit fit;
+  fit.maximum = maximise(std::cref(likelihood), start, likelihood.information(start));
   fit.probabilities_below = LawLikelihood(original, constant, family).probabilities_below(fit.maximum.x);
   const Eigen::MatrixXd white = whitening(likelihood.information(fit.maximum.x), 1e-10);
   const auto by_drop = errors_by_drop(likelihood, fit.maximum.x, white);
   fit.drops = {likelihood.n_drops(), by_drop ? ErrorBasis::by_drop : ErrorBasis::independent_samples};
-  for (const Eigen::Vector3d& direction :
-       {Eigen::Vector3d(1, 0, 0), Eigen::Vector3d(0, 1, 0), Eigen::Vector3d(0, 0, 1), Eigen::Vector3d(0, 1, -1)})
-    fit.errors.push_back(quantity_error(function, fit, white, by_drop, direction));
+  const auto of = [&](double location, double below, double above) {
+    return quantity(std::cref(likelihood), fit.maximum, white, by_drop, Eigen::Vector3d(location, below, above));
+  };
+  fit.peak = of(1, 0, 0);
+  fit.log_below = of(0, 1, 0);
+  fit.log_above = of(0, 0, 1);
+  fit.log_ratio = of(0, 1, -1);
   return fit;
 }
 
-Estimate peak_estimate(const WindowFit& fit) {
-  const QuantityError& error = fit.errors[0];
-  Estimate e = normal_estimate(fit.maximum.x[0], error.se);
-  e.se_independent = error.se_independent;
-  e.ci68 = {e.value + error.offset68.lo, e.value + error.offset68.hi};
-  e.ci95 = {e.value + error.offset95.lo, e.value + error.offset95.hi};
-  return e;
-}
-
-/// @param side  1: rising, 2: falling
-Estimate slope_estimate(const WindowFit& fit, Eigen::Index side) {
+/// @param log_b  of one side
+Estimate slope_estimate(const Estimate& log_b) {
   constexpr double kKnownToAFactor2 = 0.35;  // standard error of log b
-  const QuantityError& error = fit.errors[static_cast<std::size_t>(side)];
-  Estimate e = exponential_estimate(-fit.maximum.x[side], error, -1.0);
+  Estimate e = exponential(log_b, -1.0);
   // where the prior on the ratio of the sides decides, drops agree with each other
-  e.identified = std::max(error.se, error.se_independent.value_or(0.0)) < kKnownToAFactor2;
+  e.identified = std::max(*log_b.se, log_b.se_independent.value_or(0.0)) < kKnownToAFactor2;
   return e;
-}
-
-Estimate slope_ratio_estimate(const WindowFit& fit) {
-  return exponential_estimate(fit.maximum.x[1] - fit.maximum.x[2], fit.errors[3], 1.0);
 }
 
 /// Normal scatter of a window, with each sample's timing error: theta = (mean, log sd).
@@ -197,18 +179,13 @@ std::vector<CurvePoint> normal_curve(const LawData& data, const Eigen::VectorXd&
   });
 }
 
-constexpr double kResolution = 1e-8;  // of eps, as in the law's fit
-
 /// Residuals of the samples at the window's centre, stretched as the scatter is there.
 void move_to(double centre, const LawFit& law, LawData& data) {
   const double eps_centre = restitution(*law.law, centre);
-  const std::vector<double> fitted = restitutions(*law.law, data.v_mps);
-  const ScaleColumns b = law.scatter ? scales_at(*law.scatter, data.v_mps) : ScaleColumns{};
-  const double below = law.scatter ? law.scatter->below(centre) : 1.0;
-  const double above = law.scatter ? law.scatter->above(centre) : 1.0;
   for (std::size_t k = 0; k < data.size(); ++k) {
-    const double residual = data.eps[k] - fitted[k];
-    const double stretch = !law.scatter ? 1.0 : residual > 0.0 ? above / b.above[k] : below / b.below[k];
+    const double v_mps = data.v_mps[k], residual = data.eps[k] - restitution(*law.law, v_mps);
+    const auto b = residual > 0.0 ? &ScatterModel::above : &ScatterModel::below;
+    const double stretch = law.scatter ? (*law.scatter.*b)(centre) / (*law.scatter.*b)(v_mps) : 1.0;
     data.eps[k] = eps_centre + residual * stretch;
     data.tau[k] *= stretch;
   }
@@ -234,6 +211,19 @@ LawData window_data(const RestitutionSamples& samples, const std::vector<double>
   return data;
 }
 
+std::vector<double> even_edges(double lo, double hi, std::size_t n) {
+  std::vector<double> edges;
+  for (std::size_t k = 0; k <= n; ++k)
+    edges.push_back(lo + (hi - lo) * static_cast<double>(k) / static_cast<double>(n));
+  return edges;
+}
+
+std::size_t bin_of(double x, const std::vector<double>& edges) {
+  const double fraction = (x - edges.front()) / (edges.back() - edges.front());
+  const auto n = edges.size() - 1;
+  return std::min(static_cast<std::size_t>(fraction * static_cast<double>(n)), n - 1);
+}
+
 Bins bins_of(std::vector<double> eps) {
   std::sort(eps.begin(), eps.end());
   const std::size_t n = eps.size();
@@ -242,19 +232,15 @@ Bins bins_of(std::vector<double> eps) {
   const double lo = lo_quantile - margin, hi = hi_quantile + margin;
   const auto n_bins = std::clamp<std::size_t>(static_cast<std::size_t>(1.5 * std::sqrt(static_cast<double>(n))), 8, 80);
   Bins bins;
-  for (std::size_t k = 0; k <= n_bins; ++k)
-    bins.eps_edges.push_back(lo + (hi - lo) * static_cast<double>(k) / static_cast<double>(n_bins));
+  bins.eps_edges = even_edges(lo, hi, n_bins);
   bins.counts.assign(n_bins, 0);
-  for (const double e : eps) {
-    if (e < lo) {
+  for (const double e : eps)
+    if (e < lo)
       ++bins.underflow;
-    } else if (e >= hi) {
+    else if (e >= hi)
       ++bins.overflow;
-    } else {
-      const auto k = static_cast<std::size_t>((e - lo) / (hi - lo) * static_cast<double>(n_bins));
-      ++bins.counts[std::min(k, n_bins - 1)];
-    }
-  }
+    else
+      ++bins.counts[bin_of(e, bins.eps_edges)];
   return bins;
 }
 
@@ -269,10 +255,10 @@ double mean_in_bin(const std::vector<CurvePoint>& density, std::size_t n_bins, s
 void fit_two_exponentials(HistogramFit& result, const LawData& data, const WindowFit& fit) {
   result.status = fit.maximum.converged ? FitStatus::ok : FitStatus::not_converged;
   result.drops = fit.drops;
-  result.peak_eps = peak_estimate(fit);
-  result.slope_rising = slope_estimate(fit, 1);
-  result.slope_falling = slope_estimate(fit, 2);
-  result.slope_ratio = slope_ratio_estimate(fit);
+  result.peak_eps = fit.peak;
+  result.slope_rising = slope_estimate(fit.log_below);
+  result.slope_falling = slope_estimate(fit.log_above);
+  result.slope_ratio = exponential(fit.log_ratio, 1.0);
   if ((!result.slope_rising->identified || !result.slope_falling->identified) && fit.maximum.converged)
     result.status = FitStatus::not_identifiable;  // the scatter is narrower than the timing error
   result.loglik = fit.maximum.loglik;
@@ -311,7 +297,7 @@ HistogramFit fit_histogram(const RestitutionSamples& samples, const std::vector<
   if (result.n > 0) result.bins = bins_of(data.eps);
   if (result.n < std::max<std::size_t>(n_min, 5)) return result;
   const LawModel constant = make_law_model(LawKind::constant, {}, data.v_mps);
-  const Eigen::VectorXd start = start_values(data, constant, exponentials_of(data));
+  const Eigen::VectorXd start = start_values(*first_look(data, constant), exponentials_of(data));
   const WindowFit fit = fit_window(data, constant, start);
   fit_two_exponentials(result, data, fit);
   if (fit.maximum.converged) compare_with_normal(result, data, Eigen::Vector2d(start[0], 0.5 * (start[1] + start[2])));
@@ -392,23 +378,6 @@ Table histogram_table(const std::vector<HistogramFit>& histograms) {
     }
   return table_of<HistogramBin>(columns_of(rows.data()), rows);
 }
-
-namespace {
-
-std::vector<double> even_edges(double lo, double hi, std::size_t n) {
-  std::vector<double> edges;
-  for (std::size_t k = 0; k <= n; ++k)
-    edges.push_back(lo + (hi - lo) * static_cast<double>(k) / static_cast<double>(n));
-  return edges;
-}
-
-std::size_t bin_of(double x, const std::vector<double>& edges) {
-  const double fraction = (x - edges.front()) / (edges.back() - edges.front());
-  const auto n = edges.size() - 1;
-  return std::min(static_cast<std::size_t>(fraction * static_cast<double>(n)), n - 1);
-}
-
-}  // namespace
 
 DensityPicture density_picture(const RestitutionSamples& samples, std::size_t n_v, std::size_t n_eps) {
   DensityPicture picture;

@@ -48,6 +48,8 @@ struct ScatterModel {
   double below(double v_mps) const;
   double above(double v_mps) const;
   double normal(double v_mps) const;
+  /// Mean distance from where the exponentials join, without the normal part.
+  double mean_distance(double v_mps) const;
   /// From eps(v), the density's peak, to the mean.
   double mean_minus_peak(double v_mps) const;
   /// below^2 + above^2 + normal^2.

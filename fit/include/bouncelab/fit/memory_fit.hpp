@@ -21,11 +21,10 @@ namespace bouncelab::fit {
 
 struct MemoryFitConfig {
   LawKind kind = LawKind::series;
-  std::vector<int> orders{2, 4, 5};     ///< of the series: distinct, at most 5 of them
-  std::vector<double> node_speeds_mps;  ///< empty: as in LawFitConfig
-  std::size_t n_draws = 900;            ///< of the posterior, where there are few drops
-  std::size_t n_goodness = 99;          ///< replicates of the Anderson-Darling test; 0: none
-  std::uint64_t seed = 1;               ///< of draws and replicates
+  std::vector<int> orders{2, 4, 5};  ///< of the series: distinct, at most 5 of them
+  std::size_t n_draws = 900;         ///< of the posterior, where there are few drops
+  std::size_t n_goodness = 99;       ///< replicates of the Anderson-Darling test; 0: none
+  std::uint64_t seed = 1;            ///< of draws and replicates
 };
 
 /// What the variance q of the contacts' offset says of the surface, q = c s2 (docs/physics.md). Not the number of
@@ -97,7 +96,7 @@ Description members_of_tests();
 Description members_of_roughness();
 
 /// @param samples      ordered by recording, drop, time, finite, v > 0
-/// @param independent  the fit that takes them as independent: start, and samples to leave out
+/// @param independent  the fit that takes them as independent: start, nodes, and samples to leave out
 /// @throws InvalidArgument where there are more than 5 orders
 MemoryFit fit_memory(const RestitutionSamples& samples, const LawFit& independent, const MemoryFitConfig& config);
 

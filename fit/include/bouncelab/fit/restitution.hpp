@@ -94,7 +94,7 @@ RestitutionSamples at_the_plate(RestitutionSamples samples, std::optional<double
 class RestitutionInPieces {
  public:
   /// @throws InvalidArgument as restitution_samples
-  explicit RestitutionInPieces(RestitutionConfig config);
+  explicit RestitutionInPieces(const RestitutionConfig& config);
   /// The next onsets, cut anywhere. @return samples of the drops that have ended
   RestitutionSamples add(Onsets onsets);
   /// After the last onsets. @return samples of the last drop
