@@ -116,7 +116,7 @@ TEST(ScatterTheories, SayNothingWhereTheyDoNotApply) {
   const auto of = [&](const auto& change, double s2 = 2e-5) {
     sim::SimulationConfig config = rough_drops(1);
     change(config);
-    return scatter_theory(config, {s2, 2.0, 0.0}, none, {}).has_value();
+    return scatter_theory(config, {s2, 0.0}, none, {}).has_value();
   };
   EXPECT_TRUE(of([](auto&) {}));
   EXPECT_FALSE(of([](auto& c) { c.start_spin_radps = {0, 20, 0}; }));
