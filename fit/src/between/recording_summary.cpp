@@ -121,8 +121,9 @@ std::optional<RecordingDate> date_of(const std::cmatch& found, double more_s = 0
 std::optional<RecordingDate> date_from_iso(std::string_view text) {
   static const std::regex iso(R"((\d{4})(-?)(\d\d)\2(\d\d)(?:[T ])" + time_with(":") +
                               R"((?:[.,](\d*))?(?:Z|([+-])(\d\d):?(\d\d)?)?)?)");
+  constexpr std::size_t kLongest = 64;  // std::regex takes stack for each character
   std::cmatch found;
-  if (!std::regex_match(text.begin(), text.end(), found, iso)) return std::nullopt;
+  if (text.size() > kLongest || !std::regex_match(text.begin(), text.end(), found, iso)) return std::nullopt;
   const auto number = [&](std::size_t group) { return std::stod("0" + found[group].str()); };
   const double fraction_s = std::stod("0." + found[10].str() + "0"), zone_s = 3600.0 * number(12) + 60.0 * number(13);
   return date_of(found, fraction_s + (found[11] == "-" ? zone_s : -zone_s));

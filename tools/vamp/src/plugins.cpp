@@ -5,6 +5,8 @@
 #include <vamp/vamp.h>
 
 #include <algorithm>
+#include <array>
+#include <charconv>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -55,6 +57,13 @@ class RecordingBuffer {
   std::size_t step_ = 1, block_ = 1, next_ = 0;
   std::vector<float> samples_;
 };
+
+/// The shortest decimal number that is this float: 9.81, not 9.8100004, which the user never typed.
+std::string decimal(float value) {
+  std::array<char, 64> text{};
+  const auto end = std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::fixed).ptr;
+  return {text.data(), end};
+}
 
 /// An option of the library as a parameter, by the option's name without '_'.
 template <class Config>
@@ -166,10 +175,9 @@ class RecordingPlugin : public Vamp::Plugin {
     parameters_.push_back(parameter);
     values_.push_back(parameter.defaultValue);
   }
-  /// 9.81, not the 9.8100004 of a float, which the user never typed.
   double gravity_mps2() const {
     double g_mps2 = 0.0;
-    parse_number(number_text(getParameter("gravity")), g_mps2);
+    parse_number(decimal(getParameter("gravity")), g_mps2);
     return g_mps2;
   }
 
@@ -338,7 +346,7 @@ class RestitutionPlugin : public RecordingPlugin {
     const auto kind_number = static_cast<std::size_t>(getParameter("ball"));
     if (kind_number == 0) return std::nullopt;
     const BallKind& kind = ball_kinds()[kind_number - 1];
-    return ball_from_text(kind.diameter_m ? kind.name : kind.name + ":" + number_text(getParameter("diameter")) + "mm");
+    return ball_from_text(kind.diameter_m ? kind.name : kind.name + ":" + decimal(getParameter("diameter")) + "mm");
   }
 };
 
