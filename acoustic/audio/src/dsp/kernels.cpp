@@ -3,9 +3,9 @@
 
 #include <algorithm>
 #include <array>
-#include <cassert>
 #include <cmath>
 #include <cstring>
+
 #include "bouncelab/core/elementary.hpp"
 
 namespace bouncelab::audio {
@@ -28,37 +28,6 @@ void dot_lanes(const float* a, const float* b, std::size_t n, float* lanes) {
   std::memcpy(lanes, sum.data(), sizeof sum);
 }
 
-constexpr std::size_t kOutputs = 64;  // of a filter at once: eight registers, enough to hide a multiplication's latency
-
-/// n outputs, a multiple of kOutputs.
-template <class MultiplyAdd>
-[[gnu::always_inline]] inline void correlate_by(const MultiplyAdd& multiply_add, const float* x,
-                                                std::span<const float> taps, float* out, std::size_t n) {
-  for (std::size_t at = 0; at < n; at += kOutputs) {
-    std::array<float, kOutputs> sum{};
-    for (std::size_t k = 0; k < taps.size(); ++k)
-      for (std::size_t c = 0; c < kOutputs; ++c) sum[c] = multiply_add(taps[k], x[at + k + c], sum[c]);
-    std::copy(sum.begin(), sum.end(), out + at);
-  }
-}
-
-#if defined(__x86_64__) && defined(__GNUC__)
-[[gnu::target("avx2,fma")]] void correlate_fused(const float* x, std::span<const float> taps, float* out,
-                                                 std::size_t n) {
-  correlate_by([](float a, float b, float c) { return __builtin_fmaf(a, b, c); }, x, taps, out, n);
-}
-const bool kHasFused = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
-#else
-void correlate_fused(const float*, std::span<const float>, float*, std::size_t) {}
-constexpr bool kHasFused = false;
-#endif
-
-void correlate_whole(const float* x, std::span<const float> taps, float* out, std::size_t n) {
-  if (kHasFused)
-    correlate_fused(x, taps, out, n);
-  else
-    correlate_by([](float a, float b, float c) { return a * b + c; }, x, taps, out, n);
-}
 }  // namespace
 
 double dot(std::span<const float> a, std::span<const float> b) {
@@ -93,17 +62,6 @@ float largest(std::span<const float> x) {
   return *std::max_element(lanes.begin(), lanes.end());
 }
 
-void correlate(std::span<const float> x, std::span<const float> taps, std::span<float> out) {
-  assert(x.size() + 1 >= out.size() + taps.size());
-  const std::size_t n_whole = out.size() - out.size() % kOutputs, n_rest = out.size() - n_whole;
-  correlate_whole(x.data(), taps, out.data(), n_whole);
-  if (n_rest == 0) return;
-  std::vector<float> padded(taps.size() + kOutputs);
-  std::array<float, kOutputs> sums;
-  std::copy_n(x.begin() + static_cast<std::ptrdiff_t>(n_whole), n_rest + taps.size() - 1, padded.begin());
-  correlate_whole(padded.data(), taps, sums.data(), kOutputs);
-  std::copy_n(sums.begin(), n_rest, out.end() - static_cast<std::ptrdiff_t>(n_rest));
-}
 void add_scaled(float* to, float factor, const float* x, std::size_t n) {
   for (std::size_t k = 0; k < n; ++k) to[k] += factor * x[k];
 }
