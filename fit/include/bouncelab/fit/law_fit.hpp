@@ -27,7 +27,7 @@ struct LawFitConfig {
   LawKind kind = LawKind::series;
   std::vector<int> orders{2, 4, 5};                    ///< of the series: distinct, among 2, 4, 5, ... 10
   IntervalMethod intervals = IntervalMethod::profile;  ///< of nodes and constants
-  /// Terms of log b(v) on each side, 1 to 8; 0: 1 below 30 samples, 1 to 3 by BIC below 20,000, from there 3 or 6 by
+  /// Terms of log b(v) on each side; 0: 1 below 30 samples, 1 to 3 by BIC below 20,000, from there 3 or 6 by
   /// BIC (AIC takes 6 too often: at 20,000 samples under noise 95 % intervals of A then cover 92.5 %).
   std::size_t n_scatter_terms = 0;
   std::size_t n_goodness = 0;  ///< replicates of the Anderson-Darling test, from 100 samples on; 0: none
