@@ -34,31 +34,6 @@ void note_some(NoteKind kind, const Names& names, std::size_t n_all, const std::
        formatted("%zu of the %zu recordings (", names.size(), n_all) + some + ") " + (names.size() == 1 ? one : more)});
 }
 
-/// Rows of the table without a recording, and recordings without a row, are named.
-void name_origins(std::vector<fit::CampaignRecording>& recordings, const Origins& origins, std::vector<Note>& notes) {
-  std::set<std::string> found;
-  Names without_row, without_samples;
-  for (fit::CampaignRecording& recording : recordings) {
-    const std::string& name = recording.summary.recording;
-    auto known = origins.by_recording.find(name);
-    if (known == origins.by_recording.end()) known = origins.by_recording.find(file_of(name));
-    if (known != origins.by_recording.end()) {
-      recording.origin = known->second;
-      found.insert(known->first);
-    } else {
-      without_row.push_back(name);
-    }
-    if (!recording.origin.date) recording.origin.date = fit::date_in_name(name);
-  }
-  if (origins.by_recording.empty()) return;
-  for (const auto& [name, origin] : origins.by_recording)
-    if (!found.contains(name)) without_samples.push_back(name);
-  const std::string of_table = "of " + origins.table, in_table = " no row in " + origins.table;
-  note_some(NoteKind::rows_without_samples, without_samples, origins.by_recording.size(), of_table + " has no samples",
-            of_table + " have no samples", notes);
-  note_some(NoteKind::no_row, without_row, recordings.size(), "has" + in_table, "have" + in_table, notes);
-}
-
 RestitutionSamples usable(const RestitutionSamples& samples) {
   fit::LeftOut left_out;
   return *fit::usable_samples(samples, left_out);
@@ -86,6 +61,31 @@ Groups groups_of(const ComparedRecordings& compared, const std::vector<Restituti
 }
 
 }  // namespace
+
+std::vector<fit::RecordingOrigin> origins_of(const Names& recordings, const Origins& origins,
+                                             std::vector<Note>& notes) {
+  std::vector<fit::RecordingOrigin> all(recordings.size());
+  if (origins.by_recording.empty()) return all;
+  std::set<std::string> found;
+  Names without_row, without_samples;
+  for (std::size_t k = 0; k < recordings.size(); ++k) {
+    auto known = origins.by_recording.find(recordings[k]);
+    if (known == origins.by_recording.end()) known = origins.by_recording.find(file_of(recordings[k]));
+    if (known == origins.by_recording.end()) {
+      without_row.push_back(recordings[k]);
+      continue;
+    }
+    all[k] = known->second;
+    found.insert(known->first);
+  }
+  for (const auto& [name, origin] : origins.by_recording)
+    if (!found.contains(name)) without_samples.push_back(name);
+  const std::string of_table = "of " + origins.table, in_table = " no row in " + origins.table;
+  note_some(NoteKind::rows_without_samples, without_samples, origins.by_recording.size(), of_table + " has no samples",
+            of_table + " have no samples", notes);
+  note_some(NoteKind::no_row, without_row, recordings.size(), "has" + in_table, "have" + in_table, notes);
+  return all;
+}
 
 void Comparison::add(RestitutionSamples&& samples) {
   constexpr std::size_t kMost_samples = 100000;  // waiting: some 30 MB
@@ -123,15 +123,22 @@ ComparedRecordings Comparison::finish(const Origins& origins) {
     note_some(NoteKind::no_ball_named, of_others_, recordings_.size(), "names", "name", notes);
   note_some(NoteKind::other_conditions, of_other_conditions_, recordings_.size(), "is", "are", notes);
   all.recordings = std::move(recordings_);
-  name_origins(all.recordings, origins, notes);
+  Names names;
+  for (const fit::CampaignRecording& recording : all.recordings) names.push_back(recording.summary.recording);
+  const std::vector<fit::RecordingOrigin> of_names = origins_of(names, origins, notes);
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    all.recordings[k].origin = of_names[k];
+    if (!of_names[k].date) all.recordings[k].origin.date = fit::date_in_name(names[k]);
+  }
   all.between = fit::compare_campaign(all.recordings);
   all.between.notes.insert(all.between.notes.end(), notes.begin(), notes.end());
   for (const RestitutionSamples& samples : kept_) {
     const RestitutionSamples part = usable(samples);
     all.kept.insert(all.kept.end(), part.begin(), part.end());
   }
-  if (kept_.size() < all.recordings.size()) return all;
-  if (const Groups groups = groups_of(all, kept_); !groups.empty()) all.differences = fit::compare_groups(groups);
+  if (kept_.size() == all.recordings.size())
+    if (const Groups groups = groups_of(all, kept_); !groups.empty()) all.differences = fit::compare_groups(groups);
+  all.between.groups = fit::differing_groups(all.between, all.differences);
   return all;
 }
 

@@ -19,7 +19,7 @@ function straightBand(x0, x1, lo, hi, rise, color, name) {
 }
 
 function drawCampaign(parent, c, points) {
-  const {byDate, at, axis: time} = campaignAxis(c.drift), eps = c.eps.value, tau = c.tau.value;
+  const {byDate, at, axis: time} = campaignAxis(c.drift), tau = c.tau.value, groups = c.groups.length > 6 ? [] : c.groups;  // more would hide each other
   const places = points.time.filter(known), begin = Math.min(...places), end = Math.max(...places);
   const line = t => c.drift ? c.drift.slope.value * (t - c.drift.middle) : 0;  // of eps at the middle of the campaign
   const along = (lo, hi, color, name) => straightBand(at(begin), at(end), lo + line(begin), hi + line(begin), line(end) - line(begin), color, name);
@@ -31,16 +31,39 @@ function drawCampaign(parent, c, points) {
     text: of.map(k => `${points.recording[k]}${points.plate[k] ? ', plate ' + points.plate[k] : ''}<br>${number(points.n_samples[k])} samples, ${points.standardised[k].toFixed(1)} standard deviations off`),
     hovertemplate: '%{text}<br>ε = %{y:.5f}<extra></extra>'});
   const traces = [];
-  if (places.length) {
-    traces.push(along(c.prediction95[0], c.prediction95[1], 'rgba(31,95,168,.08)', '95 % of recordings'));
-    if (tau > 0) traces.push(along(eps - tau, eps + tau, 'rgba(31,95,168,.18)', 'pooled ε ± τ'));
-  }
-  traces.push(trace(inside, 'recordings', {size: many ? 3.5 : 6.5, color: blue, opacity: many ? 0.6 : 1}, !many));
-  if (c.drift) {
-    traces.push({x: [begin, end].map(at), y: [eps + line(begin), eps + line(end)], type: 'scatter', mode: 'lines', name: 'straight line', line: {color: red, width: 2}, hoverinfo: 'skip'});
+  const levels = groups.length ? groups.map((g, k) => ({name: g.name, color: groupColour(k), eps: g.eps.value, next: g.prediction95})) :
+                                 [{name: 'recordings', color: blue, eps: c.eps && c.eps.value, next: c.prediction95}];
+  for (const {name, color, eps, next} of levels) {
+    const fill = share => color.replace(/^#(..)(..)(..)$/, (_, ...parts) => `rgba(${parts.slice(0, 3).map(p => parseInt(p, 16)).join(',')},${share})`);
+    const isOfIt = k => points.plate[k] ? points.plate[k] === name : points.recording[k] === name || points.recording[k].endsWith('/' + name);
+    const of = groups.length ? inside.filter(isOfIt) : inside;
+    if (places.length && next) traces.push(along(next[0], next[1], fill(.08), groups.length ? `${name}: 95 % of recordings` : '95 % of recordings'));
+    if (places.length && tau > 0 && c.eps) traces.push(along(eps - tau, eps + tau, fill(.18), 'pooled ε ± τ'));
+    traces.push(trace(of, name, {size: many ? 3.5 : 6.5, color, opacity: many ? 0.6 : 1}, !many));
+    if (c.drift && eps !== null) traces.push({x: [begin, end].map(at), y: [eps + line(begin), eps + line(end)], type: 'scatter', mode: 'lines', name: groups.length ? `${name}: straight line` : 'straight line', line: {color: groups.length ? color : red, width: 2}, hoverinfo: 'skip'});
   }
   if (outside.length) traces.push(trace(outside, 'outliers', {size: 10, color: orange, symbol: 'diamond', line: {color: ink, width: 1}}, true));
-  draw(parent, '', traces, {showlegend: true, xaxis: time, yaxis: axis(`ε at ${speed(c.v_mps)}`)});
+  draw(parent, '', traces, {showlegend: true, xaxis: time, yaxis: axis(`coefficient of restitution<br>ε at ${speed(c.v_mps)}`)});
+}
+
+const groupColour = k => [blue, red, orange, green, grey, ink][k % 6];
+
+/// ε of each group that has its own, and where one more recording of it is expected.
+function drawOfGroups(parent, groups) {
+  const bars = (name, color, width, interval) => ({
+    x: groups.map(g => g.name), y: groups.map(g => g.eps.value), type: 'scatter', mode: 'markers', name, marker: {size: 8, color},
+    error_y: {type: 'data', symmetric: false, array: groups.map(g => interval(g) ? interval(g)[1] - g.eps.value : null), arrayminus: groups.map(g => interval(g) ? g.eps.value - interval(g)[0] : null), thickness: width, width: 4, color},
+    hovertemplate: '%{x}<br>ε = %{y:.5f}<extra></extra>'});
+  draw(parent, 'low', [...(groups.some(g => g.prediction95) ? [bars('one more recording, 95 %', grey, 1.2, g => g.prediction95)] : []), bars('ε with its 95 % interval', blue, 2.4, g => g.eps.ci95)],
+       {showlegend: true, xaxis: axis('plate or recording', {type: 'category'}), yaxis: axis(`coefficient of restitution<br>ε at ${speed(groups[0].v_mps)}`)});
+}
+
+function groupsSection(c) {
+  if (!c.groups.length) return;
+  const one = c.differences && c.differences.unit === 'drops' ? 'drop' : 'recording';
+  drawOfGroups(figure('groups', 'ε of each', `These differ, or are not known to agree: each has its own ε, by its ${one}s alone. Wide bars: where one more ${one} of it is expected to be measured, 95 %.`), c.groups);
+  table('', ['plate or recording', one + 's', 'ε ± standard error', '95 %', `one more ${one}, 95 %`], c.groups.map(g => [g.name, number(g.n), measured(g.eps.value, g.eps.se), interval(g.eps.ci95), interval(g.prediction95)]),
+        `ε at ${speed(c.groups[0].v_mps)}.`);
 }
 
 /// Mean offsets of plates or days from the pooled law.
@@ -52,7 +75,7 @@ function drawGroups(parent, grouping, isDay) {
   traces.push({x, y: rows.map(r => r.offset), type: 'scatter', mode: 'markers', name: isDay ? 'days' : 'plates', marker: {size: rows.length > 150 ? 4 : 8, color: blue},
                error_y: {type: 'data', array: rows.map(r => r.se), thickness: 1.2, width: rows.length > 40 ? 0 : 3, color: blue}, text: rows.map(r => number(r.n)),
                hovertemplate: '%{x}<br>%{y:.2e} off the pooled law<br>%{text} recordings<extra></extra>'});
-  draw(parent, 'low', traces, {showlegend: false, xaxis: axis(isDay ? 'day' : 'plate', {type: isDay ? 'date' : 'category'}), yaxis: axis('offset of ε', {exponentformat: 'power'}),
+  draw(parent, 'low', traces, {showlegend: false, xaxis: axis(isDay ? 'day' : 'plate', {type: isDay ? 'date' : 'category'}), yaxis: axis('offset of ε from<br>the pooled law', {exponentformat: 'power'}),
                                shapes: [{type: 'line', xref: 'paper', x0: 0, x1: 1, y0: 0, y1: 0, line: {color: red, width: 1.4}}]});
 }
 
@@ -92,7 +115,7 @@ function differencesSection(d) {
 }
 
 function comparisonTables(c, points) {
-  const law = c.law, named = [...law.parameters.filter(name => law[name].identified !== false).map(name => [name, law[name]]),
+  const law = c.law || {parameters: [], nodes: []}, named = [...law.parameters.filter(name => law[name].identified !== false).map(name => [name, law[name]]),
                               ...law.nodes.map(n => [`ε(${speed(n.v_mps)})`, {...n, value: n.eps}])];
   const sd = (name, s) => s ? [[name, significant(s.value), s.ci95.map(significant).join(' … ')]] : [];
   const test = (name, t) => t ? [[name, `χ²/ndf = ${number(t.chi2, 4)}/${number(t.ndf)}`, `p ${pIs(t.p_value)}`]] : [];
@@ -121,19 +144,20 @@ function comparisonPage(c, points) {
   if (c.status === 'ok') {
     words.append(element('p', {class: 'caption'}, 'ε (epsilon), the coefficient of restitution: speed just after a bounce over speed just before it. ± is the standard error; it includes what differs from recording to recording.'));
     const thinned = points.n > points.eps.length ? ` ${number(points.eps.length)} of ${number(points.n)} recordings are drawn, all outliers among them.` : '';
-    drawCampaign(figure('campaign', 'ε over the campaign', 'Points: recordings, with the error of each alone. Dark band: pooled ε and the standard deviation between recordings, τ; light band: where 95 % of recordings are expected. Line: the drift, which both bands follow; plates are not taken out.' + thinned, section), c, points);
+    drawCampaign(figure('campaign', 'ε over the campaign', (c.groups.length > 6 ? 'Points: recordings, with the error of each alone.' : c.groups.length ? 'Points: recordings, with the error of each alone; bands: where 95 % of the recordings of each are expected. Lines: the drift, one for all, which the bands follow.' : 'Points: recordings, with the error of each alone. Dark band: pooled ε and the standard deviation between recordings, τ; light band: where 95 % of recordings are expected. Line: the drift, which both bands follow; plates are not taken out.') + thinned, section), c, points);
   }
   if (c.notes.length) {
     add('h2', {id: 'notes'}, 'What to know before using it');
     add('div', {class: 'warnings'}, element('ul', {}, c.notes.map(note => element('li', {}, note.text))));
   }
+  groupsSection(c);
   differencesSection(c.differences);
-  if (c.status !== 'ok') return comparisonTables({...c, law: {parameters: [], nodes: []}, heterogeneity: null, tau: null}, points);
-  if (c.plates.rows.length > 1)
+  if (c.status !== 'ok') return comparisonTables({...c, heterogeneity: null, tau: null}, points);
+  if (c.plates.rows.length > 1 && !c.groups.length)
     drawGroups(figure('plates', 'By plate', 'Mean offset of each plate’s recordings from the pooled law, with its standard error; drift taken out.'), c.plates, false);
   if (c.days.rows.length > 1)
     drawGroups(figure('days', 'By day', 'Mean offset of each day’s recordings from the pooled law, with its standard error; plates taken out, drift not.'), c.days, true);
-  if (c.law.curve.length)
+  if (c.law && c.law.curve.length)
     drawPooledLaw(figure('law', 'ε against impact speed', 'Line and inner band: the pooled law ε(v) with its 95 % range. Outer band: where the law of one more recording is expected, 95 %.'), c);
   comparisonTables(c, points);
 }

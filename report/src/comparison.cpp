@@ -102,9 +102,6 @@ std::string n_recordings(std::size_t n) { return std::to_string(n) + (n == 1 ? "
 
 /// Values between 0 and 1 have no standard deviation above this: an interval that reaches beyond it knows nothing.
 constexpr double kMostDeviation = 0.5;
-/// Below any error of ε: a search for a deviation that is 0 ends here.
-constexpr double kLeastDeviation = 1e-6;
-
 std::string of_deviation(const StandardDeviation& sd, const char* name, const char* beyond) {
   const std::string differs = std::string("from ") + name + " to " + name;
   if (!(sd.ci95.hi < kMostDeviation))
@@ -122,6 +119,34 @@ std::string of_deviation(const StandardDeviation& sd, const char* name, const ch
 std::string interval_known(const Estimate& e) {
   const bool is_known = e.ci95->hi - e.ci95->lo < 2.0;  // all that two values of ε can differ by
   return is_known ? "95 %: " + interval_in_words(e) : "its error is not known: there are too few drops";
+}
+
+/// "glass: ε = 0.98000 ± 0.00013 at 0.6 m/s; one more recording would have 0.9792 to 0.9808 (95 %)."
+std::string eps_in_words(const std::string& of, const Estimate& eps, double v_mps, const std::string& over,
+                         const std::optional<Interval>& next, const char* one) {
+  return of + formatted("ε = %s at %.2g m/s", fit::in_words(eps.value, eps.se).c_str(), v_mps) + over +
+         (!next ? "."
+          : next->hi - next->lo < 1.0
+              ? formatted("; one more %s would have %.5f to %.5f (95 %%).", one, next->lo, next->hi)
+              : formatted("; what one more %s would have is not known.", one));
+}
+
+/// ε of each group; of many the greatest and the least.
+std::vector<std::string> of_groups(std::vector<GroupRestitution> groups, const char* one) {
+  constexpr std::size_t kMostNamed = 4;
+  const std::size_t n = groups.size();
+  std::vector<std::string> sentences;
+  if (n > kMostNamed) {
+    std::stable_sort(groups.begin(), groups.end(),
+                     [](const auto& a, const auto& b) { return a.eps.value > b.eps.value; });
+    groups = {groups.front(), groups.back()};
+    sentences.push_back(
+        formatted("Each of the %zu plates has its own ε, which comparison.csv states; the greatest and the least:", n));
+  }
+  for (const GroupRestitution& g : groups)
+    sentences.push_back(eps_in_words(printable(g.name) + ": ", g.eps, g.v_mps,
+                                     formatted(" over %zu %s%s", g.n, one, g.n == 1 ? "" : "s"), g.prediction95, one));
+  return sentences;
 }
 
 std::string p_in_words(double p) { return p < 0.0001 ? "p < 0.0001" : formatted("p = %.2g", p); }
@@ -160,20 +185,6 @@ std::string of_outliers(const BetweenRecordings& between, const std::vector<Camp
   }
   if (outliers.size() > kMostNamed) text += " and " + std::to_string(outliers.size() - kMostNamed) + " more";
   return text + ".";
-}
-
-/// Of few plates the one that is furthest off the mean.
-std::string of_few_plates(const Grouping& plates) {
-  if (plates.effect != GroupEffect::fixed || plates.rows.empty()) return {};
-  const auto [least, greatest] = std::minmax_element(
-      plates.rows.begin(), plates.rows.end(), [](const GroupRow& a, const GroupRow& b) { return a.offset < b.offset; });
-  const double difference = greatest->offset - least->offset;
-  const double se = std::sqrt(greatest->se * greatest->se + least->se * least->se);
-  if (!(se < kMostDeviation))
-    return "How much ε differs from plate to plate is not known: there are too few recordings.";
-  return formatted("Plate %s has the greatest ε and %s the least: a difference of %s.",
-                   printable(greatest->name).c_str(), printable(least->name).c_str(),
-                   fit::in_words(difference, se).c_str());
 }
 
 /// "on average, from 0.018 at 0.2 m/s to 0.030 at 1 m/s" where a difference changes with the speed; empty where it is
@@ -217,6 +228,7 @@ std::string of_difference(const GroupDifference& row, GroupUnit unit, bool are_p
 std::vector<std::string> in_words(const BetweenRecordings& between, const std::vector<CampaignRecording>& recordings,
                                   const std::optional<GroupDifferences>& differences) {
   std::vector<std::string> sentences;
+  const char* const one = differences && differences->unit == GroupUnit::drops ? "drop" : "recording";
   if (differences) {
     const bool are_plates = std::any_of(recordings.begin(), recordings.end(),
                                         [](const CampaignRecording& r) { return !r.origin.plate.empty(); });
@@ -224,18 +236,15 @@ std::vector<std::string> in_words(const BetweenRecordings& between, const std::v
       sentences.push_back(of_difference(row, differences->unit, are_plates));
     if (differences->why) sentences.push_back("No difference is stated: " + in_words(*differences->why) + ".");
   }
+  for (std::string& sentence : of_groups(between.groups, one)) sentences.push_back(std::move(sentence));
   if (between.status != FitStatus::ok) return sentences.empty() ? std::vector{as_sentence(*between.why)} : sentences;
-  const Interval& next = between.prediction95;
-  sentences.push_back(
-      formatted("ε = %s at %.2g m/s over %s; ", fit::in_words(between.eps.value, between.eps.se).c_str(), between.v_mps,
-                n_recordings(between.n_used - between.n_outliers).c_str()) +
-      (next.hi - next.lo < 1.0 ? formatted("one more recording would have %.5f to %.5f (95 %%).", next.lo, next.hi)
-                               : "what one more recording would have is not known."));
+  if (between.groups.empty())
+    sentences.push_back(eps_in_words("", between.eps, between.v_mps,
+                                     " over " + n_recordings(between.n_used - between.n_outliers), between.prediction95,
+                                     "recording"));
   sentences.push_back(of_deviation(between.tau, "recording", " beyond the errors of each"));
   sentences.push_back(of_drift(between));
   sentences.push_back(of_outliers(between, recordings));
-  if (std::string few = differences ? "" : of_few_plates(between.plates); !few.empty())
-    sentences.push_back(std::move(few));
   for (const auto& [grouping, name] : {std::pair{&between.plates, "plate"}, {&between.days, "day"}})
     if (grouping->deviation) sentences.push_back(of_deviation(*grouping->deviation, name, ""));
   if (between.shapes.ndf > 0.0 && between.shapes.p_value < 0.001 &&

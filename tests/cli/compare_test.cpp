@@ -90,6 +90,59 @@ TEST_F(CompareCommand, FindsDriftPlateAndBadRecording) {
   EXPECT_THAT(content("o/comparison.json.meta.json"), testing::HasSubstr("g.csv"));
 }
 
+TEST_F(CompareCommand, OfPlatesThatDifferEachHasItsOwnEpsAndOfThoseThatAgreeAllHaveOne) {
+  constexpr double kWood = -0.02;
+  for (const double wood : {kWood, 0.0}) {
+    std::ostringstream samples, groups;
+    samples << "recording,drop,impact,v_mps,eps\n";
+    groups << "recording,plate\n";
+    samples.precision(9);
+    for (std::size_t k = 0; k < 16; ++k) {
+      Random random(11, RandomStream::test, k);
+      const double offset = kBetween * random.normal() + (k % 2 == 1 ? wood : 0.0);
+      groups << "r" << k << (k % 2 == 1 ? ",wood\n" : ",glass\n");
+      for (int i = 0; i < 90; ++i) {
+        const double v = 0.25 * std::pow(1.35 / 0.25, random.uniform());
+        const double eps =
+            restitution(SeriesLaw{}, v) + offset + 4e-4 / v * (random.exponential() - random.exponential());
+        samples << "r" << k << "," << i / 30 << "," << i % 30 + 1 << "," << v << "," << eps << "\n";
+      }
+    }
+    write("s.csv", samples.str());
+    write("g.csv", groups.str());
+    const Result result = run("compare s.csv --groups g.csv --out o --force");
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    const auto c = comparison();
+    const std::string table = content("o/comparison.csv");
+    const std::string first = table.substr(table.find("r0,glass"), table.find("\nr1,wood") - table.find("r0,glass"));
+    if (wood == 0.0) {
+      EXPECT_EQ(c["groups"].size(), 0u);
+      EXPECT_TRUE(c["eps"].contains("value") && c["law"].contains("curve"));
+      EXPECT_THAT(result.out, testing::HasSubstr("\nε = 0.9"));
+      EXPECT_THAT(first, testing::HasSubstr(",,,,,0,"));
+      continue;
+    }
+    EXPECT_TRUE(c["eps"].is_null() && c["prediction95"].is_null() && c["law"].is_null());
+    ASSERT_EQ(c["groups"].size(), 2u);
+    for (std::size_t g = 0; g < 2; ++g) {
+      const auto& group = c["groups"][g];
+      EXPECT_EQ(group["name"], g == 0 ? "glass" : "wood");
+      EXPECT_EQ(group["n"], 8);
+      const double truth = restitution(SeriesLaw{}, group["v_mps"].number()) + (g == 0 ? 0.0 : wood);
+      // one seed, four standard errors; the next recording within five of the standard deviation between recordings
+      EXPECT_NEAR(group["eps"]["value"].number(), truth, 4.0 * group["eps"]["se"].number());
+      EXPECT_GT(group["prediction95"][0].number(), truth - 8.0 * kBetween);
+      EXPECT_LT(group["prediction95"][1].number(), truth + 8.0 * kBetween);
+    }
+    EXPECT_THAT(result.out, testing::HasSubstr("\nglass: ε = 0.97"));
+    EXPECT_THAT(result.out, testing::HasSubstr("\nwood: ε = 0.95"));
+    EXPECT_THAT(result.out, testing::HasSubstr("; one more recording would have 0.95"));
+    EXPECT_THAT(result.out, testing::Not(testing::HasSubstr("\nε = ")));
+    EXPECT_THAT(table, testing::HasSubstr(",group_eps,group_sigma_eps,group_lo95,group_hi95,"));
+    EXPECT_THAT(first, testing::Not(testing::HasSubstr(",,,,,")));
+  }
+}
+
 /// Drops of `bouncing` one behind the other.
 std::string sound_of(int n_drops, double eps) {
   std::vector<float> all;

@@ -48,13 +48,14 @@ const std::map<std::string, Description>& all_described() {
         named<fit::BudgetRow>("BudgetRow"), named<fit::ErrorBudget>("ErrorBudget"),
         named<fit::RecordingsTest>("RecordingsTest"), named<fit::RecordingFit>("RecordingFit"),
         named<fit::FitResult>("FitResult"), named<fit::Grouping>("Grouping"), named<fit::Drift>("Drift"),
-        named<fit::BetweenRecordings>("BetweenRecordings"), named<fit::GroupLaw>("GroupLaw"),
-        named<fit::GroupDifference>("GroupDifference"), named<fit::GroupDifferences>("GroupDifferences"),
-        named<loop::LoopScore>("LoopScore"), named<loop::ScatterTheory>("ScatterTheory"),
-        named<loop::ReservoirCheck>("ReservoirCheck"), named<loop::ReservoirOfDrop>("ReservoirOfDrop"),
-        named<loop::RecordingDetails>("RecordingDetails"), named<report::DropsSeen>("DropsSeen"),
-        named<report::SpeedAndRestitution>("SpeedAndRestitution"), named<report::PlainAnswer>("PlainAnswer"),
-        named<report::Cause>("Cause"), named<report::FitInWords>("FitInWords"), named<report::Taken>("Taken"),
+        named<fit::BetweenRecordings>("BetweenRecordings"), named<fit::GroupRestitution>("GroupRestitution"),
+        named<fit::GroupLaw>("GroupLaw"), named<fit::GroupDifference>("GroupDifference"),
+        named<fit::GroupDifferences>("GroupDifferences"), named<loop::LoopScore>("LoopScore"),
+        named<loop::ScatterTheory>("ScatterTheory"), named<loop::ReservoirCheck>("ReservoirCheck"),
+        named<loop::ReservoirOfDrop>("ReservoirOfDrop"), named<loop::RecordingDetails>("RecordingDetails"),
+        named<report::DropsSeen>("DropsSeen"), named<report::SpeedAndRestitution>("SpeedAndRestitution"),
+        named<report::PlainAnswer>("PlainAnswer"), named<report::Cause>("Cause"),
+        named<report::FitInWords>("FitInWords"), named<report::Taken>("Taken"),
         named<report::Conclusion>("Conclusion"));
     described_structs["MemoryTests"] = fit::members_of_tests();
     described_structs["Roughness"] = fit::members_of_roughness();

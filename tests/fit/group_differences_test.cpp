@@ -100,11 +100,33 @@ TEST(GroupDifferences, HoldTheTrueDifferenceAtEachNodeAndOfEachConstant) {
     EXPECT_GE(n_held, test::fewest_of(static_cast<double>(n_seeds), 0.95));
 }
 
+TEST(GroupDifferences, HoldTheEpsOfEachGroupAndForetellItsNextDrop) {
+  const auto n_seeds = test::repetitions<std::uint64_t>(15, 80);
+  double n_eps = 0.0, n_next = 0.0;
+  for (std::uint64_t seed = 1; seed <= n_seeds; ++seed) {
+    const GroupDifferences found = compare_groups(groups_of({{0.0, 5, 40, kSd}, {0.02, 4, 40, kSd}}, seed));
+    ASSERT_EQ(found.alone.size(), 2u);
+    Random random(seed, RandomStream::test, 7);
+    for (std::size_t g = 0; g < 2; ++g) {
+      const GroupRestitution& group = found.alone[g];
+      const double truth = restitution(SeriesLaw{}, group.v_mps) + (g == 0 ? 0.0 : 0.02);
+      n_eps += group.eps.ci95->lo < truth && truth < group.eps.ci95->hi;
+      // 40 bounces scatter by 4e-4 together
+      const double next = truth + kSd * random.normal() + 4e-4 * random.normal();
+      n_next += group.prediction95->lo < next && next < group.prediction95->hi;
+    }
+    EXPECT_EQ(differing_groups({}, found).size(), 2u);
+  }
+  for (const double n_held : {n_eps, n_next})
+    EXPECT_GE(n_held, test::fewest_of(static_cast<double>(2 * n_seeds), 0.95));
+}
+
 TEST(GroupDifferences, OfOneDropEachHaveAnErrorAndNoTest) {
   const GroupDifferences found = compare_groups(groups_of({{0.0, 1, 40}, {0.01, 1, 40}}, 3));
   ASSERT_EQ(found.rows.size(), 1u);
   EXPECT_EQ(found.ndf, 0.0);
-  EXPECT_FALSE(found.rows[0].p_value || found.deviation);
+  EXPECT_FALSE(found.rows[0].p_value || found.deviation || found.alone[0].prediction95);
+  EXPECT_EQ(differing_groups({}, found).size(), 2u);  // not known to agree
   EXPECT_NEAR(found.rows[0].offset.value, 0.01, 5.0 * *found.rows[0].offset.se);
 }
 

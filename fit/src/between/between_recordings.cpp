@@ -3,11 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <span>
 #include <utility>
 
 #include "between/offset_model.hpp"
 #include "bouncelab/core/elementary.hpp"
+#include "bouncelab/core/numerics.hpp"
 #include "numerics/numerics.hpp"
 
 namespace bouncelab::fit {
@@ -117,8 +119,7 @@ class Pool {
     const double variance = factor_ * congruence(direction, solution_.covariance())(0, 0) + more_variance;
     const double se = std::sqrt(std::max(0.0, variance));
     const double n_free = errors_.degrees_of_freedom(direction, more_variance > 0.0 ? se : 0.0);
-    return normal_estimate(value, se, student_t_quantile(0.8413447460685429, n_free),
-                           student_t_quantile(0.975, n_free));
+    return student_estimate(value, variance, n_free);
   }
   Eigen::VectorXd direction_of(const Eigen::RowVectorXd& law) const {
     Eigen::VectorXd direction = Eigen::VectorXd::Zero(judged_.data.n_fixed());
@@ -131,9 +132,14 @@ class Pool {
   Estimate eps_at(double v_mps, double more_variance = 0.0) const {
     return estimate(eps(v_mps), direction_of(design_.law.jacobian(std::span(&v_mps, 1), law()).row(0)), more_variance);
   }
-  /// Of one more recording, on a plate and a day that may be any.
+  /// Of a mean of recordings, of which one alone has the standard error `se_of_one`.
+  Estimate mean_of_recordings(double value, double variance, double se_of_one) const {
+    return student_estimate(value, variance, errors_.degrees_of_freedom_of_a_recording(se_of_one));
+  }
+  /// Of one more recording as it is measured, on a plate and a day that may be any.
   double variance_of_a_recording() const {
-    double sum = 0.0;
+    const Eigen::VectorXd& own = judged_.data.variance;
+    double sum = median({own.begin(), own.end()});
     for (const double sd : judged_.deviations) sum += square(sd);
     return sum;
   }
@@ -215,46 +221,72 @@ void describe_drift(BetweenRecordings& result, const Design& design, const Pool&
   result.drift = drift;
 }
 
-/// Weighted means of what is left of the offsets by group.
-std::vector<GroupRow> group_rows(const GroupLabels& labels, const Judged& judged, const Eigen::VectorXd& left) {
-  std::vector<GroupRow> rows(labels.names.size());
-  std::vector<double> weights(labels.names.size(), 0.0);
-  for (std::size_t k = 0; k < judged.kept.size(); ++k) {
-    const int label = labels.of_recording[static_cast<std::size_t>(judged.kept[k])];
-    if (label < 0) continue;
-    const auto g = static_cast<std::size_t>(label);
-    const auto r = static_cast<Eigen::Index>(k);
-    const double weight = 1.0 / (square(judged.deviations[0]) + judged.data.variance[r]);
-    ++rows[g].n;
-    rows[g].offset += weight * left[r];
-    weights[g] += weight;
-  }
-  for (std::size_t g = 0; g < rows.size(); ++g) {
-    rows[g].name = labels.names[g];
-    if (rows[g].n == 0) continue;
-    rows[g].offset /= weights[g];
-    rows[g].se = 1.0 / std::sqrt(weights[g]);
-  }
-  std::erase_if(rows, [](const GroupRow& row) { return row.n == 0; });
-  return rows;
-}
-
-void describe_groups(BetweenRecordings& result, const Design& design, const Judged& judged, const Pool& pool) {
+/// Weighted means of what is left of the offsets by day.
+void describe_days(BetweenRecordings& result, const Design& design, const Judged& judged, const Pool& pool) {
   const Eigen::VectorXd& beta = pool.solution().beta();
-  const Eigen::VectorXd of_law = judged.data.m() - judged.data.h().leftCols(design.n_law) * beta.head(design.n_law);
-  Eigen::VectorXd of_plates = of_law, of_days = of_law;
+  const std::vector<std::string>& names = design.days.names;
+  std::vector<GroupRow>& rows = result.days.rows;
+  for (const std::string& name : names) rows.push_back({name});
+  std::vector<double> weights(names.size(), 0.0);
   for (std::size_t k = 0; k < judged.kept.size(); ++k) {
     const auto r = static_cast<Eigen::Index>(k);
     const auto row = static_cast<std::size_t>(judged.kept[k]);
-    if (design.has_drift) of_plates[r] -= judged.data.h()(r, judged.data.n_fixed() - 1) * beta[beta.size() - 1];
-    if (design.days.effect == GroupEffect::random)
-      of_plates[r] -= pool.solution().effect(design.day_grouping, design.days.of_recording[row]);
-    const int plate = design.plates.of_recording[row];
-    of_days[r] -= design.plate_constant(beta, plate);
-    if (design.plates.effect == GroupEffect::random) of_days[r] -= pool.solution().effect(design.plate_grouping, plate);
+    const int day = design.days.of_recording[row], plate = design.plates.of_recording[row];
+    if (day < 0) continue;
+    double left = judged.data.m()[r] - judged.data.h().row(r).head(design.n_law).dot(beta.head(design.n_law)) -
+                  design.plate_constant(beta, plate);
+    if (design.plates.effect == GroupEffect::random) left -= pool.solution().effect(design.plate_grouping, plate);
+    const auto d = static_cast<std::size_t>(day);
+    const double weight = 1.0 / (square(judged.deviations[0]) + judged.data.variance[r]);
+    ++rows[d].n;
+    rows[d].offset += weight * left;
+    weights[d] += weight;
   }
-  result.plates.rows = group_rows(design.plates, judged, of_plates);
-  result.days.rows = group_rows(design.days, judged, of_days);
+  for (std::size_t d = 0; d < rows.size(); ++d) {
+    rows[d].offset /= std::max(weights[d], 1e-300);
+    rows[d].se = 1.0 / std::sqrt(weights[d]);
+  }
+  std::erase_if(rows, [](const GroupRow& row) { return row.n == 0; });
+}
+
+/// eps of a plate by the mean of its recordings: the law of all takes it to the reference speed, the drift of all to
+/// the middle of the campaign.
+void describe_plate(BetweenRecordings& result, const Design& design, const Judged& judged, const Pool& pool,
+                    std::size_t plate) {
+  const Eigen::Index n_fixed = judged.data.n_fixed(), n_law = design.n_law;
+  const Eigen::VectorXd& beta = pool.solution().beta();
+  GroupRestitution group{design.plates.names[plate], 0, result.v_mps, {}, {}};
+  Eigen::RowVectorXd mean = Eigen::RowVectorXd::Zero(n_fixed + 1);  // of the rows, and of their values last
+  double weights = 0.0;
+  std::map<int, double> of_day;
+  for (std::size_t k = 0; k < judged.kept.size(); ++k) {
+    const auto row = static_cast<std::size_t>(judged.kept[k]);
+    if (design.plates.of_recording[row] != static_cast<int>(plate)) continue;
+    const auto r = static_cast<Eigen::Index>(k);
+    const double weight = 1.0 / (square(judged.deviations[0]) + judged.data.variance[r]);
+    mean += weight * judged.data.h_and_m.row(r);
+    weights += weight;
+    of_day[design.days.of_recording[row]] += weight;
+    ++group.n;
+  }
+  if (group.n == 0) return;
+  mean /= weights;
+  const Eigen::RowVectorXd law = design.law.jacobian(std::span(&result.v_mps, 1), pool.law()).row(0);
+  Eigen::VectorXd direction = Eigen::VectorXd::Zero(n_fixed);  // from the mean of the recordings to where eps is stated
+  direction.head(n_law) = (law - mean.head(n_law)).transpose();
+  if (design.has_drift) direction[n_fixed - 1] = -mean[n_fixed - 1];
+  double variance = 1.0 / weights + congruence(direction, pool.covariance())(0, 0), of_days = 0.0;
+  if (design.days.effect == GroupEffect::random) of_days = square(judged.deviations[design.day_grouping + 1]);
+  for (const auto& [day, weight] : of_day) variance += of_days * square(weight / weights);
+  const double value = pool.eps(result.v_mps) - law.dot(beta.head(n_law)) + mean[n_fixed] + direction.dot(beta);
+  const double of_plates =
+      design.plates.effect == GroupEffect::random ? square(judged.deviations[design.plate_grouping + 1]) : 0.0;
+  const double se_of_one = std::sqrt(static_cast<double>(group.n) / weights);
+  group.eps = pool.mean_of_recordings(value, variance, se_of_one);
+  group.prediction95 =
+      pool.mean_of_recordings(value, variance + pool.variance_of_a_recording() - of_plates, se_of_one).ci95;
+  result.plates.rows.push_back({group.name, group.n, value - result.eps.value, *group.eps.se});
+  result.of_plates.push_back(std::move(group));
 }
 
 void describe_rows(BetweenRecordings& result, const Design& design, const Judged& judged, const Pool& pool) {
@@ -306,9 +338,30 @@ BetweenRecordings compare_campaign(const std::vector<CampaignRecording>& recordi
   describe_law(result, design, pool);
   describe_deviations(result, design, judged);
   describe_drift(result, design, pool);
-  describe_groups(result, design, judged, pool);
+  describe_days(result, design, judged, pool);
   describe_rows(result, design, judged, pool);
+  for (std::size_t plate = 0; plate < design.plates.names.size(); ++plate)
+    describe_plate(result, design, judged, pool, plate);
   return result;
+}
+
+std::vector<GroupRestitution> differing_groups(const BetweenRecordings& between,
+                                               const std::optional<GroupDifferences>& differences) {
+  const std::vector<GroupRestitution>& plates = between.of_plates;
+  bool differ = false;
+  if (differences && !differences->rows.empty()) {
+    differ = std::any_of(differences->rows.begin(), differences->rows.end(),
+                         [](const GroupDifference& row) { return row.p_value.value_or(0.0) < kLevel; });
+  } else if (between.plates.deviation) {
+    differ = between.plates.deviation->ci95.lo > kLeastDeviation;
+  } else if (plates.size() > 1) {
+    constexpr double kApart = 3.0;  // standard errors: of six pairs one in 60
+    const auto [least, greatest] = std::minmax_element(
+        plates.begin(), plates.end(), [](const auto& a, const auto& b) { return a.eps.value < b.eps.value; });
+    differ = greatest->eps.value - least->eps.value > kApart * hypot(*greatest->eps.se, *least->eps.se);
+  }
+  if (!differ) return {};
+  return between.plates.effect == GroupEffect::none && differences ? differences->alone : plates;
 }
 
 }  // namespace bouncelab::fit

@@ -109,18 +109,15 @@ GroupDifference difference(const GroupLaw& first, const GroupLaw& second, double
   const double ndf = within.ndf > 0.0
                          ? within.ndf
                          : static_cast<double>(first.n + second.n) - 2.0 * static_cast<double>(first.nodes.size());
-  const double reach68 = student_t_quantile(0.8413447460685429, ndf), reach95 = student_t_quantile(0.975, ndf);
-  const auto estimate = [&](double value, double its_variance) {
-    return normal_estimate(value, std::sqrt(its_variance), reach68, reach95);
-  };
   const double all = within.mean_square * variance;
   /// @param by_shift  of it by a constant of 1 in eps: what units differ by goes along
   const auto less = [&](const Estimate& a, const Estimate& b, double by_shift) {
-    return estimate(a.value - b.value,
-                    square(a.se.value_or(0.0)) + square(b.se.value_or(0.0)) + (all - variance) * square(by_shift));
+    return student_estimate(
+        a.value - b.value,
+        square(a.se.value_or(0.0)) + square(b.se.value_or(0.0)) + (all - variance) * square(by_shift), ndf);
   };
-  GroupDifference row{first.name, second.name, estimate(offset, all), {}, {}, {}, {}};
-  row.detectable = (reach95 + student_t_quantile(0.8, ndf)) * std::sqrt(all);
+  GroupDifference row{first.name, second.name, student_estimate(offset, all, ndf), {}, {}, {}, {}};
+  row.detectable = (student_t_quantile(0.975, ndf) + student_t_quantile(0.8, ndf)) * std::sqrt(all);
   if (within.ndf > 0.0)
     row.p_value = std::min(1.0, 2.0 * n_pairs * student_t_below(-std::abs(offset) / std::sqrt(all), within.ndf));
   for (std::size_t i = 0; i < first.nodes.size(); ++i)
@@ -130,6 +127,18 @@ GroupDifference difference(const GroupLaw& first, const GroupLaw& second, double
         {first.parameters[i].name,
          less(second.parameters[i].estimate, first.parameters[i].estimate, shift[static_cast<Eigen::Index>(i)])});
   return row;
+}
+
+/// @param weight  of the group: the inverse of its mean's variance if samples are independent
+GroupRestitution alone(const GroupLaw& group, double weight, const Within& within) {
+  const NodeEstimate& node = group.nodes[group.nodes.size() / 2];
+  const double ndf = within.ndf > 0.0 ? within.ndf : static_cast<double>(group.n - group.nodes.size());
+  const double variance = square(node.eps.se.value_or(0.0)) + (within.mean_square - 1.0) / weight;
+  GroupRestitution result{group.name, group.n_units, node.v_mps, student_estimate(node.eps.value, variance, ndf), {}};
+  const double of_one = static_cast<double>(group.n_units) / weight;  // variance of a unit's mean by the scatter
+  if (within.deviation)
+    result.prediction95 = student_estimate(node.eps.value, variance + square(*within.deviation) + of_one, ndf).ci95;
+  return result;
 }
 
 /// Absent where they can be compared.
@@ -198,6 +207,8 @@ GroupDifferences compare_groups(const std::vector<Group>& groups) {
   const Within differing = within(samples, means);
   result.ndf = differing.ndf;
   result.deviation = differing.deviation;
+  for (std::size_t g = 0; g < parts.size(); ++g)
+    result.alone.push_back(alone(result.groups[g], means.weight[g], differing));
   const Eigen::VectorXd shift = of_a_constant(fits.front(), v_mps);
   const std::size_t n_pairs = parts.size() * (parts.size() - 1) / 2;
   for (std::size_t i = 0; i < parts.size(); ++i)

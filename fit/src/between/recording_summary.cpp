@@ -169,6 +169,14 @@ Table to_table(const BetweenRecordings& between, const std::vector<CampaignRecor
   };
   const auto& rows = between.rows;
   const auto summary = [&](std::size_t k) -> const RecordingSummary& { return recordings[k].summary; };
+  const auto of_group = [&](auto&& of) {
+    return column_of(0.0, [&](std::size_t k) {
+      const std::string &plate = recordings[k].origin.plate, &name = plate.empty() ? summary(k).recording : plate;
+      for (const GroupRestitution& group : between.groups)
+        if (group.name == name || (plate.empty() && name.ends_with("/" + group.name))) return of(group);
+      return kNotKnown;
+    });
+  };
   const auto date = [&](std::size_t k) {
     const auto& known = recordings[k].origin.date;
     return known ? iso_in_words(*known) : std::string();
@@ -186,6 +194,12 @@ Table to_table(const BetweenRecordings& between, const std::vector<CampaignRecor
                 {"offset", reals([&](std::size_t k) { return rows[k].offset; })},
                 {"standardised", reals([&](std::size_t k) { return rows[k].standardised; })},
                 {"p_value", reals([&](std::size_t k) { return rows[k].p_value; })},
+                {"group_eps", of_group([](const GroupRestitution& g) { return g.eps.value; })},
+                {"group_sigma_eps", of_group([](const GroupRestitution& g) { return *g.eps.se; })},
+                {"group_lo95",
+                 of_group([&](const GroupRestitution& g) { return g.prediction95 ? g.prediction95->lo : kNotKnown; })},
+                {"group_hi95",
+                 of_group([&](const GroupRestitution& g) { return g.prediction95 ? g.prediction95->hi : kNotKnown; })},
                 {"outlier", counts([&](std::size_t k) { return rows[k].is_outlier; })},
                 {"message", texts([&](std::size_t k) {
                    return summary(k).why ? std::string(to_string(summary(k).why->kind)) : std::string();

@@ -294,6 +294,11 @@ Estimate normal_estimate(double value, double se, double reach68, double reach95
   return estimate;
 }
 
+Estimate student_estimate(double value, double variance, double ndf) {
+  return normal_estimate(value, std::sqrt(std::max(0.0, variance)), student_t_quantile(0.8413447460685429, ndf),
+                         student_t_quantile(0.975, ndf));
+}
+
 std::string in_words(double value, std::optional<double> se) {
   if (!se || !(*se > 0.0) || !std::isfinite(*se)) return formatted("%.6g", value);
   const int decimals = std::clamp(1 - static_cast<int>(std::floor(log10(*se))), 0, 12);

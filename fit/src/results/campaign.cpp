@@ -30,6 +30,12 @@ Object pooled_law(const BetweenRecordings& between) {
   return object_of(law, &between);
 }
 
+/// What is one for all only where groups are not seen to differ.
+template <auto Member>
+auto if_one(const BetweenRecordings& b) {
+  return b.groups.empty() ? std::optional(std::invoke(Member, b)) : std::nullopt;
+}
+
 std::optional<ChiSquareTest> shapes_where_tested(const BetweenRecordings& b) {
   return b.shapes.ndf > 0.0 ? std::optional(b.shapes) : std::nullopt;
 }
@@ -63,6 +69,20 @@ Description members_of(const GroupRow*) {
   return all;
 }
 
+Description members_of(const GroupRestitution*) {
+  using G = GroupRestitution;
+  static constexpr Member all[]{
+      member<&G::name>("name", "The plate, or the recording"),
+      member<&G::n>("n", "Its recordings, outliers left out; of single recordings their drops"),
+      member<&G::v_mps>("v_mps", "Speed"),
+      member<&G::eps>("eps", "ε there, an estimate, by the recordings of this group"),
+      member<&G::prediction95>(
+          "prediction95",
+          "Where ε of one more recording of this group (of single recordings: drop) is expected to be measured; "
+          "`null`: there is one in each")};
+  return all;
+}
+
 Description members_of(const Grouping*) {
   static constexpr Member all[]{
       member<&Grouping::effect>(
@@ -81,11 +101,14 @@ Description members_of(const BetweenRecordings*) {
       member<&B::n_used>("n_used", "Those with a law of their own, outliers among them"),
       member<&B::n_samples>("n_samples", "Their samples"),
       where_ok<&B::v_mps>("v_mps", "The reference speed"),
-      where_ok<&B::eps>(
+      where_ok<if_one<&B::eps>>(
           "eps",
           "ε of the pooled law there, an estimate whose error includes what differs between recordings, in the "
-          "middle of the campaign"),
-      where_ok<&B::prediction95>("prediction95", "Where one more recording is expected"),
+          "middle of the campaign; `null` where `groups` has some"),
+      where_ok<if_one<&B::prediction95>>(
+          "prediction95",
+          "Where ε of one more recording is expected to be measured, with such errors as the others have; likewise"),
+      member<&B::groups>("groups", "ε of each where plates, or a few recordings, differ; else empty; see below"),
       where_ok<&B::tau>(
           "tau",
           "`value`, `ci95`: standard deviation of ε between recordings, of one plate and day where these have "
@@ -95,10 +118,10 @@ Description members_of(const BetweenRecordings*) {
       where_ok<shapes_where_tested>(
           "shapes", "The same: whether their curves differ by more than a constant (`null`: one speed)"),
       member<&B::drift>("drift", "`null`, or ε over the campaign, see below"),
-      where_ok<pooled_law>(
+      where_ok<if_one<pooled_law>>(
           "law",
           "`kind`, `parameters` and an estimate of each, `correlation`, `nodes`, `curve` as of a fit; `curve` "
-          "with `prediction95`"),
+          "with `prediction95`; `null` where `groups` has some"),
       member<&B::plates>("plates", "Groups by plate, with the drift taken out"),
       member<&B::days>("days", "Groups by day, with the plates taken out")};
   return all;

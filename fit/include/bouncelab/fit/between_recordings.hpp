@@ -109,7 +109,8 @@ struct GroupRow {
   std::string name;
   std::size_t n = 0;  ///< recordings used, outliers left out
   /// Mean offset from the pooled law of the whole, with the error that the recordings' errors and their standard
-  /// deviation tau give; of plates the drift, of days the plates are taken out, of days the drift is not.
+  /// deviation tau give; of plates (BetweenRecordings::of_plates) the drift, of days the plates are taken out, of days
+  /// the drift is not.
   double offset = 0.0, se = 0.0;
 };
 Description members_of(const GroupRow*);
@@ -119,6 +120,18 @@ struct Grouping {
   std::vector<GroupRow> rows;                  ///< in order of name
 };
 Description members_of(const Grouping*);
+
+/// eps of one of several groups that differ, of its recordings alone.
+struct GroupRestitution {
+  std::string name;    ///< the plate, or the recording
+  std::size_t n = 0;   ///< recordings used, outliers left out; of single recordings their drops
+  double v_mps = 0.0;  ///< the speed, one for all groups
+  Estimate eps;        ///< in the middle of the campaign, as `BetweenRecordings::eps`
+  /// Of one more recording (drop) of the group as it would be measured, with such errors as the others have; absent
+  /// where there is one of each.
+  std::optional<Interval> prediction95;
+};
+Description members_of(const GroupRestitution*);
 
 /// A recording against the others.
 struct RecordingRow {
@@ -139,7 +152,7 @@ struct BetweenRecordings {
   LawKind kind = LawKind::series;
   double v_mps = 0.0;                     ///< the reference speed
   Estimate eps;                           ///< of the pooled law there; its error includes tau
-  Interval prediction95;                  ///< of one more recording there
+  Interval prediction95;                  ///< of one more recording there, as it would be measured
   std::vector<NamedEstimate> parameters;  ///< A2, A4, A5; fewer where the speeds do not determine them
   Matrix correlation;                     ///< of `parameters`
   std::vector<NodeEstimate> nodes;
@@ -150,6 +163,9 @@ struct BetweenRecordings {
   ChiSquareTest shapes;         ///< do the recordings' curves differ by constants only?
   std::optional<Drift> drift;
   Grouping plates, days;
+  std::vector<GroupRestitution> of_plates;  ///< each, whether they differ or not
+  /// differing_groups(): where there are some, eps, prediction and constants of the pooled law are those of none.
+  std::vector<GroupRestitution> groups;
   std::vector<RecordingRow> rows;  ///< as the recordings were given
   std::vector<Note> notes;
 };
@@ -175,7 +191,7 @@ inline constexpr std::size_t kFewestPooled = 4;
 /// differs from the others by a constant.
 BetweenRecordings compare_campaign(const std::vector<CampaignRecording>& recordings);
 
-/// comparison.csv: a row a recording.
+/// comparison.csv: a row a recording, with what its group has where groups differ.
 Table to_table(const BetweenRecordings& between, const std::vector<CampaignRecording>& recordings);
 
 /// What differs within a group, by which differences between groups are judged.
@@ -211,7 +227,8 @@ struct GroupDifferences {
   double ndf = 0.0;                 ///< units less groups; 0: how units of a group differ is not known
   std::optional<double> deviation;  ///< of eps between units of a group, standard deviation; 0: none seen
   std::vector<GroupLaw> groups;
-  std::vector<GroupDifference> rows;  ///< every pair
+  std::vector<GroupRestitution> alone;  ///< of each group, at the middle node
+  std::vector<GroupDifference> rows;    ///< every pair
 };
 Description members_of(const GroupDifferences*);
 
@@ -231,5 +248,14 @@ inline constexpr std::size_t kMostGroups = 4;
 /// of independent samples and there is no p.
 /// @param groups  2 to kMostGroups, each a name and its usable samples (no flag, finite, v > 0)
 GroupDifferences compare_groups(const std::vector<std::pair<std::string, RestitutionSamples>>& groups);
+
+/// Below any error of eps: a search for a standard deviation that is 0 ends here.
+inline constexpr double kLeastDeviation = 1e-6;
+
+/// eps by group; empty where groups are not seen to differ. They differ where some pair of `differences` has p < 0.05,
+/// or one recording (drop) each, so that it is not known. Without differences (five plates, a hundred recordings) where
+/// the standard deviation between plates leaves 0 out, or two plates are three standard errors apart.
+std::vector<GroupRestitution> differing_groups(const BetweenRecordings& between,
+                                               const std::optional<GroupDifferences>& differences);
 
 }  // namespace bouncelab::fit

@@ -89,6 +89,9 @@ using Matrix = std::vector<std::vector<double>>;
 /// value, standard error and the intervals value -+ reach68 se, value -+ reach95 se; by default the normal ones.
 Estimate normal_estimate(double value, double se, double reach68 = 1.0, double reach95 = kNormal95);
 
+/// The same by Student's t. @param ndf  degrees of freedom by which the variance is known
+Estimate student_estimate(double value, double variance, double ndf);
+
 /// "0.98169 ± 0.00004": two digits of the standard error and as many decimals of the value; six significant digits of
 /// the value where there is no standard error (absent, not positive or not finite).
 std::string in_words(double value, std::optional<double> se);

@@ -18,6 +18,11 @@ struct Origins {
   std::string table;  ///< that they stand in, for notes
 };
 
+/// Of each of the recordings; of one that the origins do not know nothing. Rows without a recording and recordings
+/// without a row are named in notes.
+std::vector<fit::RecordingOrigin> origins_of(const std::vector<std::string>& recordings, const Origins& origins,
+                                             std::vector<Note>& notes);
+
 struct ComparedRecordings {
   std::vector<fit::CampaignRecording> recordings;
   fit::BetweenRecordings between;                    ///< with all notes, unordered
