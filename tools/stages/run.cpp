@@ -4,13 +4,18 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <condition_variable>
 #include <csignal>
 #include <cstdint>
 #include <cstdio>
 #include <memory>
+#include <mutex>
+#include <stop_token>
+#include <thread>
 
 namespace bouncelab::stages {
 
@@ -67,36 +72,53 @@ std::string clock_text(double seconds) {
                   : fmt::format("{}:{:02}:{:02}", s / 3600, s / 60 % 60, s % 60);
 }
 
-/// The terminal line; erased when the last copy of the callback goes.
+/// The terminal line, drawn twice a second whether work reports or is long in one step; erased when the last copy of
+/// the callback goes.
 class Line {
  public:
   Line(std::string label, std::string unit) : label_(std::move(label)), unit_(std::move(unit)) {}
   Line(const Line&) = delete;
   Line& operator=(const Line&) = delete;
   ~Line() {
+    drawing_.request_stop();
+    drawing_.join();
     if (shown_) std::fputs("\r\033[K", stderr);
   }
 
-  void show(double done, double total) {
-    const auto now = Clock::now();
-    if (now - last_ < std::chrono::milliseconds(100)) return;
-    last_ = now;
-    const double elapsed_s = std::chrono::duration<double>(now - start_).count();
+  void show(double done, double total) { done_ = done, total_ = total; }
+
+ private:
+  void draw() {
+    constexpr double kBar_characters = 20.0, kEnoughSteps = 10.0;  // few are of unequal length
+    const double done = done_, total = total_;
+    const double elapsed_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
     const double rate = done / elapsed_s;
-    std::string text = fmt::format("\r\033[K{}: {:.0f}", label_, done);
-    if (total > 0) text += fmt::format(" of {:.0f}", total);
-    text += fmt::format(" {}, {:.3g}/s", unit_, rate);
-    if (total > 0 && rate > 0) text += fmt::format(", {} left", clock_text((total - done) / rate));
+    std::string text = "\r\033[K" + label_ + ": ";
+    if (total > 0)
+      text += fmt::format("[{:.<20}] {:.0f} of {:.0f}",
+                          std::string(static_cast<std::size_t>(kBar_characters * std::min(1.0, done / total)), '#'),
+                          done, total);
+    else
+      text += fmt::format("{:.0f}", done);
+    text += " " + unit_ + ", " + (rate < 1.0 ? clock_text(elapsed_s) + " so far" : fmt::format("{:.3g}/s", rate));
+    if (total >= kEnoughSteps && rate > 0) text += fmt::format(", {} left", clock_text((total - done) / rate));
     std::fputs(text.c_str(), stderr);
     std::fflush(stderr);
     shown_ = true;
   }
 
- private:
-  using Clock = std::chrono::steady_clock;
   std::string label_, unit_;
-  Clock::time_point start_ = Clock::now(), last_ = start_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  std::atomic<double> done_ = 0.0, total_ = 0.0;
   bool shown_ = false;
+  std::jthread drawing_{[this](const std::stop_token& stop) {
+    std::mutex mutex;
+    std::condition_variable_any stopped;
+    std::unique_lock lock(mutex);
+    while (!stopped.wait_for(lock, stop, std::chrono::milliseconds(500), [] { return false; }) &&
+           !stop.stop_requested())
+      draw();
+  }};
 };
 
 }  // namespace

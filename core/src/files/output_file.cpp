@@ -29,8 +29,11 @@ FileTarget checked_target(const fs::path& path, bool may_replace) {
   std::error_code error;
   if (target.kind == FileTarget::Kind::folder || !target.path.has_filename())
     throw FileError(name, "is a folder; the name of a file is needed");
-  if (target.kind == FileTarget::Kind::absent && !fs::is_directory(target.path.parent_path(), error))
-    throw FileError(name, "the folder " + target.path.parent_path().string() + " does not exist; create it first");
+  fs::path there = fs::absolute(target.path).parent_path();  // a folder that is missing is made when the file is begun
+  while (target.kind == FileTarget::Kind::absent && !fs::exists(there, error) && there != there.parent_path())
+    there = there.parent_path();
+  if (target.kind == FileTarget::Kind::absent && !fs::is_directory(there, error))
+    throw FileError(name, there.string() + " is no folder; choose another folder");
   if (target.kind == FileTarget::Kind::regular && !may_replace) throw FileExists(name);
   if (target.descriptor >= 0 && (::fcntl(target.descriptor, F_GETFL) & O_ACCMODE) == O_RDONLY)
     throw FileError(path == "-" ? "standard output" : name, "is closed, or open for reading only");
@@ -76,10 +79,13 @@ struct OutputFile::State {
   FileTarget target;
   bool may_replace = false;
   fs::path folder;
+  bool made_folder = false;
   TemporaryFile temporary;
 
   ~State() {
     if (!temporary.path.empty()) ::unlink(temporary.path.c_str());
+    std::error_code not_empty;
+    if (made_folder) fs::remove(folder, not_empty);
   }
 
   /// Gives the file that has no name one. @return 0 or errno
@@ -126,12 +132,13 @@ OutputFile::OutputFile(fs::path path, bool may_replace) {
   // what few may read few may read while it is written
   const mode_t mode = to_stream ? 0600 : target.kind == FileTarget::Kind::regular ? (target.mode & 0777) | 0600 : 0666;
   try {
-    TemporaryFile temporary = make_temporary_file(folder, mode);
     state_ = std::make_shared<State>();
+    state_->folder = folder;
+    state_->made_folder = fs::create_directories(folder);
+    TemporaryFile temporary = make_temporary_file(folder, mode);
     state_->path = std::move(path);
     state_->target = std::move(target);
     state_->may_replace = may_replace;
-    state_->folder = folder;
     state_->temporary = std::move(temporary);
   } catch (const std::system_error& error) {
     throw FileError(path.string(), (to_stream ? "a temporary file in " + folder.string() + " cannot be written ("
