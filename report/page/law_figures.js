@@ -30,7 +30,7 @@ function samplesTrace() {
   const z = counts.map(row => row.map(n => n > 0 ? Math.log10(n) : null));
   const most = Math.max(1, Math.ceil(Math.max(...counts.flat().map(n => n > 0 ? Math.log10(n) : 0))));
   const ticks = [...Array(most + 1).keys()];
-  return {type: 'heatmap', x: centres(v_edges_mps), y: centres(eps_edges), z, text: counts, zmin: 0, colorscale: depth,
+  return {type: 'heatmap', name: 'bounces', x: centres(v_edges_mps), y: centres(eps_edges), z, text: counts, zmin: 0, colorscale: depth,
           colorbar: {title: {text: 'bounces', side: 'right'}, tickvals: ticks, ticktext: ticks.map(t => number(10 ** t)), thickness: 12, len: 0.9},
           hovertemplate: 'v = %{x:.3f} m/s<br>ε = %{y:.4f}<br>%{text} bounces<extra></extra>'};
 }
@@ -72,11 +72,11 @@ function drawLaw(parent) {
 /// Does the law hold at every speed? Pulls of the location, and the width of the scatter, in bins of speed.
 function drawResiduals(parent, residuals) {
   const used = residuals.filter(r => known(r.pull));
-  const trace = (key, extra) => Object.assign({x: used.map(r => r.v_mps), y: used.map(r => r[key]), mode: 'markers', type: 'scatter',
+  const trace = (key, extra) => Object.assign({x: used.map(r => r.v_mps), y: used.map(r => r[key]), mode: 'markers', type: 'scatter', name: 'bin of speed, with its standard error',
                                                marker: {size: 7, color: blue}, text: used.map(r => r.n)}, extra);
   draw(parent, 'low', [trace('pull', {error_y: {type: 'constant', value: 1, thickness: 1, width: 0, color: grey},
                                       hovertemplate: 'v = %{x:.3f} m/s<br>pull %{y:.2f}<br>%{text} samples<extra></extra>'})],
-       {showlegend: false, xaxis: axis('normal impact speed v (m/s)'), yaxis: axis('pull of the law', {zeroline: true, zerolinecolor: red, zerolinewidth: 1.4})});
+       {showlegend: false, xaxis: axis('normal impact speed v (m/s)'), yaxis: axis('pull of the law<br>(standard errors)', {zeroline: true, zerolinecolor: red, zerolinewidth: 1.4})});
   // mean distances of n exponentially distributed samples are known to 1/sqrt(n)
   draw(parent, 'low', [trace('scatter_ratio', {error_y: {type: 'data', array: used.map(r => r.scatter_ratio / Math.sqrt(r.n)), thickness: 1, width: 0, color: grey},
                                                hovertemplate: 'v = %{x:.3f} m/s<br>%{y:.3f} of the scatter expected<br>%{text} samples<extra></extra>'})],
@@ -94,6 +94,8 @@ function bell(e) {
   return {x, y: x.map(t => Math.exp(-0.5 * ((t - e.value) / e.se) ** 2))};
 }
 
+const constantAxis = name => name === 'gamma' ? 'γ ((s/m)<sup>1/5</sup>)' : name.replace(/^A(\d+)$/, (_, i) => `A<sub>${i}</sub> ((s/m)<sup>${i}/10</sup>)`);
+
 /// What is known of each constant alone (diagonal: normal of its standard error, bar: 95 % interval) and of each pair.
 function drawCorner(parent, estimates, correlation) {
   const n = estimates.length, traces = [], plotLayout = {showlegend: false, grid: {rows: n, columns: n, pattern: 'independent'}, shapes: []};
@@ -104,21 +106,21 @@ function drawCorner(parent, estimates, correlation) {
       const id = cell(row, column), axes = {xaxis: 'x' + id, yaxis: 'y' + id, type: 'scatter', mode: 'lines', hoverinfo: 'skip'};
       const a = estimates[column], b = estimates[row];
       const common = {nticks: 4, tickfont: {size: narrow ? 8 : 11}, tickangle: 0, exponentformat: 'none', separatethousands: false};
-      plotLayout['xaxis' + id] = axis(row === n - 1 ? a.name : '', {...common, range: ranges[column], anchor: 'y' + id, showticklabels: row === n - 1,
+      plotLayout['xaxis' + id] = axis(row === n - 1 ? constantAxis(a.name) : '', {...common, words: constantAxis(a.name), range: ranges[column], anchor: 'y' + id, showticklabels: row === n - 1,
                                                                     domain: [column / n + 0.03, (column + 1) / n - 0.02]});
-      plotLayout['yaxis' + id] = axis(column === 0 && row > 0 ? b.name : '', {
-        ...common, anchor: 'x' + id, showticklabels: column === 0 && row > 0, range: row === column ? [0, 1.15] : ranges[row],
+      plotLayout['yaxis' + id] = axis(column === 0 && row > 0 ? constantAxis(b.name) : '', {
+        ...common, words: row === column ? 'relative probability' : constantAxis(b.name), anchor: 'x' + id, showticklabels: column === 0 && row > 0, range: row === column ? [0, 1.15] : ranges[row],
         domain: [1 - (row + 1) / n + 0.03, 1 - row / n - 0.02]});
       if (row === column) {
-        traces.push({...axes, ...bell(a), line: {color: blue, width: 1.8}});
-        if (a.ci95) traces.push({...axes, x: a.ci95, y: [0.05, 0.05], line: {color: ink, width: 4}});
-        if (known(a.truth)) traces.push({...axes, x: [a.truth, a.truth], y: [0, 1.1], line: {color: red, width: 1.4, dash: 'dash'}});
+        traces.push({...axes, ...bell(a), name: 'normal of the standard error', line: {color: blue, width: 1.8}});
+        if (a.ci95) traces.push({...axes, x: a.ci95, y: [0.05, 0.05], name: '95 % interval', line: {color: ink, width: 4}});
+        if (known(a.truth)) traces.push({...axes, x: [a.truth, a.truth], y: [0, 1.1], name: 'what went in', line: {color: red, width: 1.4, dash: 'dash'}});
         continue;
       }
-      traces.push({...axes, ...ellipse(a, b, correlation[row][column], 5.99), line: {color: blue, width: 1}, fill: 'toself', fillcolor: 'rgba(31,95,168,.15)'});
-      traces.push({...axes, ...ellipse(a, b, correlation[row][column], 2.30), line: {color: blue, width: 1.4}, fill: 'toself', fillcolor: 'rgba(31,95,168,.35)'});
+      traces.push({...axes, ...ellipse(a, b, correlation[row][column], 5.99), name: '95 % of both', line: {color: blue, width: 1}, fill: 'toself', fillcolor: 'rgba(31,95,168,.15)'});
+      traces.push({...axes, ...ellipse(a, b, correlation[row][column], 2.30), name: '68 % of both', line: {color: blue, width: 1.4}, fill: 'toself', fillcolor: 'rgba(31,95,168,.35)'});
       if (known(a.truth) && known(b.truth))
-        traces.push({...axes, x: [a.truth], y: [b.truth], mode: 'markers', marker: {symbol: 'x-thin', size: 9, line: {color: red, width: 2}}});
+        traces.push({...axes, x: [a.truth], y: [b.truth], name: 'what went in, of both', mode: 'markers', marker: {symbol: 'x-thin', size: 9, line: {color: red, width: 2}}});
     }
   }
   draw(parent, 'corner', traces, plotLayout);

@@ -19,10 +19,10 @@ function drawPaperDensity(parent, title, fitted, ranges) {
                    text: fitted.density.counts, colorscale: depth, hovertemplate: 'v = %{x:.3f} m/s<br>ε = %{y:.4f}<br>%{text} samples<extra></extra>',
                    colorbar: {title: {text: 'relative frequency', side: 'right'}, tickvals: ticks, ticktext: ticks.map(t => t === 0 ? '1' : `10<sup>${t}</sup>`), thickness: 10, len: 0.9}}];
   if (summary && summary.truth_curve)
-    traces.push({x: summary.truth_curve.map(p => p.v_mps), y: summary.truth_curve.map(p => p.eps), mode: 'lines', type: 'scatter',
+    traces.push({x: summary.truth_curve.map(p => p.v_mps), y: summary.truth_curve.map(p => p.eps), mode: 'lines', type: 'scatter', name: 'the law that went in',
                  line: {color: red, width: 1.6}, hoverinfo: 'skip'});
   draw(parent, '', traces, {showlegend: false, title: {text: title, font: {size: 14}, x: 0.02, xanchor: 'left', y: 0.975, yanchor: 'top'}, margin: {l: 62, r: 8, t: 56, b: 48},
-                            xaxis: axis('v (m/s)', {range: ranges.v}), yaxis: axis('ε', {range: ranges.eps})});
+                            xaxis: axis('normal impact speed v (m/s)', {range: ranges.v}), yaxis: axis('coefficient of restitution ε', {range: ranges.eps})});
 }
 
 /// Bottom of figs. 1 and 2: the histograms of all windows with their exponentials.
@@ -35,13 +35,13 @@ function drawPaperHistograms(parent, title, fitted, range) {
     traces.push({x: used.map(i => x[i]), y: used.map(i => h.bins.counts[i] / (h.n * width)), type: 'scatter', mode: 'markers', name, legendgroup: name,
                  marker: {size: 3.5, color}, hovertemplate: `${name}<br>ε = %{x:.4f}<br>p = %{y:.3g}<extra></extra>`});
     if (h.curve && h.curve.eps)
-      traces.push({x: h.curve.eps, y: h.curve.density, type: 'scatter', mode: 'lines', legendgroup: name, showlegend: false, line: {color, width: 1.4}, hoverinfo: 'skip'});
+      traces.push({x: h.curve.eps, y: h.curve.density, type: 'scatter', mode: 'lines', legendgroup: name, name: `${name}, fitted`, showlegend: false, line: {color, width: 1.4}, hoverinfo: 'skip'});
     const theory = expectedDensity(h);
-    if (theory) traces.push({x: theory.eps, y: theory.density, type: 'scatter', mode: 'lines', legendgroup: name, showlegend: false, line: {color: ink, width: 1, dash: 'dash'}, hoverinfo: 'skip'});
+    if (theory) traces.push({x: theory.eps, y: theory.density, type: 'scatter', mode: 'lines', legendgroup: name, name: `${name}, closed form`, showlegend: false, line: {color: ink, width: 1, dash: 'dash'}, hoverinfo: 'skip'});
   });
   draw(parent, '', traces, {title: {text: title, font: {size: 14}, x: 0.02, xanchor: 'left', y: 0.975, yanchor: 'top'}, margin: {l: 62, r: 8, t: 56, b: 96}, showlegend: true,
                             legend: below,
-                            xaxis: axis('ε', {range: range.eps}), yaxis: axis('p(ε)', {type: 'log', range: range.p, dtick: 1, exponentformat: 'power'})});
+                            xaxis: axis('coefficient of restitution ε', {range: range.eps}), yaxis: axis('probability density p(ε)', {type: 'log', range: range.p, dtick: 1, exponentformat: 'power'})});
 }
 
 /// The scatter against the speed: what asperities make, what hearing adds, what a smooth ball leaves.
@@ -58,7 +58,7 @@ function drawSpread(parent, spread) {
   }
   const exponent = e => e ? measured(e.value, e.se) : '–';
   draw(parent, '', traces, {showlegend: true, legend: below, margin: {l: 66, r: 10, t: 40, b: 96},
-                            xaxis: axis('v (m/s)', {type: 'log', tickvals: [0.1, 0.2, 0.3, 0.5, 0.7, 1, 1.4]}), yaxis: axis('standard deviation of ε', {type: 'log', dtick: 1, exponentformat: 'power'})});
+                            xaxis: axis('normal impact speed v (m/s)', {type: 'log', tickvals: [0.1, 0.2, 0.3, 0.5, 0.7, 1, 1.4]}), yaxis: axis('standard deviation of ε', {type: 'log', dtick: 1, exponentformat: 'power'})});
   add('p', {class: 'caption'}, `Exponent k of spread ∝ v^k: simulation ${exponent(spread.simulation.exponent)}, sound ${exponent(spread.sound.exponent)}.`);
 }
 
@@ -69,7 +69,7 @@ function drawShares(parent, s) {
     {x: s.impact.concat([...s.impact].reverse()), y: s.rotational_hi.concat([...s.rotational_lo].reverse()), fill: 'toself', fillcolor: 'rgba(31,95,168,.18)',
      line: {width: 0}, hoverinfo: 'skip', name: 'rotational, 16–84% of drops', type: 'scatter', mode: 'lines'},
     line('vertical', s.vertical, ink), line('horizontal', s.horizontal, orange), line('rotational', s.rotational, blue)];
-  draw(parent, '', traces, {showlegend: true, legend: below, margin: {l: 62, r: 10, t: 40, b: 96}, xaxis: axis('bounce'), yaxis: axis('share of the kinetic energy', {type: 'log', exponentformat: 'power', dtick: 1})});
+  draw(parent, '', traces, {showlegend: true, legend: below, margin: {l: 62, r: 10, t: 40, b: 96}, xaxis: axis('number of the bounce'), yaxis: axis('share of the kinetic energy', {type: 'log', exponentformat: 'power', dtick: 1})});
 }
 
 function conclusionsTable(conclusions) {

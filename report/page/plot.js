@@ -41,6 +41,10 @@ function decadesIfMany(traces) {
   const values = traces.flatMap(t => t.y).filter(y => y > 0);
   return Math.max(...values) > 100 * Math.min(...values) ? decades : {};
 }
+/// An option of a list in words, with its unit.
+const optionUnits = {rate: 'Hz', 'noise-corner': 'Hz', 'max-mode': 'Hz', 'snr-db': 'dB', reverberation: 'dB', 'gain-control': 'dB', 'reverberation-time': 's', 'lead-in': 's', pause: 's', 'max-time': 's',
+                     height: 'm', spread: 'm', 'plate-size': 'm', gravity: 'm/s²', velocity: 'm/s', 'min-speed': 'm/s', spin: 'rad/s', tilt: 'rad'};
+const optionWords = option => (option === 'snr-db' ? 'signal-to-noise ratio' : option.replace(/-/g, ' ')) + (optionUnits[option] ? ` (${optionUnits[option]})` : '');
 const speedAxis = extra => logAxis('normal impact speed v (m/s)', extra);
 
 // Drawn once the whole page stands: a plot takes the size that its place has by then.
@@ -64,9 +68,8 @@ function drawAll(dark) {
 }
 /// What a screen reader says of a plot: its title or its figure's, and what is drawn over what.
 function describePlot({node, layout: shown}) {
-  const plain = text => String(text || '').replace(/<[^>]*>/g, '');
-  const of = node.closest('.figure'), axes = [shown.yaxis, shown.xaxis].map(a => plain(a && a.title && a.title.text)).filter(Boolean).join(' against ');
-  const name = [of ? plain(of.querySelector('h2').textContent) : '', plain(shown.title && shown.title.text), axes].filter(Boolean).join('; ');
+  const of = node.closest('.figure'), axes = [shown.yaxis, shown.xaxis].map(a => plainText(a && a.title && a.title.text)).filter(Boolean).join(' against ');
+  const name = [of ? plainText(of.querySelector('h2').textContent) : '', plainText(shown.title && shown.title.text), axes].filter(Boolean).join('; ');
   node.setAttribute('role', 'img');
   node.setAttribute('aria-label', `Plot: ${name}. Its numbers are in the tables below and in the files beside this report.`);
 }
@@ -81,32 +84,81 @@ function figure(name, title, caption, parent = page) {
     return button;
   };
   const section = element('section', {class: 'figure', id: name, 'aria-label': title}, element('h2', {}, title), element('p', {class: 'caption'}, caption), places,
-                          element('div', {class: 'save'}, save('SVG', 'Save as SVG', () => saveSvg(name)),
-                                  save('PDF', 'Print this figure alone: choose "Save as PDF"', () => printOnly(name))));
+                          element('div', {class: 'save'}, save('SVG', 'Save as SVG', async () => saved(name, 'svg', 'image/svg+xml', (await svgOf(document.getElementById(name))).svg)),
+                                  save('PDF', 'Print this figure alone: choose "Save as PDF"', () => printOnly(name)),
+                                  save('CSV', 'Save what is drawn as a table', () => saved(name, 'csv', 'text/csv', csvOf(document.getElementById(name))))));
   parent.append(section);
   return places;
 }
 
-/// A figure as one SVG, its plots where they lie on the page, in the colours of a light one.
+const plotsOf = section => plots.filter(plot => section.contains(plot.node));
+
+/// What is drawn where, once each: on the page the caption says it for plots that have no legend of their own.
+function legendOf(section, width) {
+  const named = new Map(plotsOf(section).filter(plot => plot.layout.showlegend === false).flatMap(plot => plot.data).filter(trace => trace.name && trace.type !== 'heatmap').map(trace => [trace.name, trace]));
+  const one = value => Array.isArray(value) ? value[0] : value;
+  const data = JSON.parse(JSON.stringify([...named].map(([name, {type, mode, line, marker, fill, fillcolor}]) => (
+      {name, type, mode, line, fill, fillcolor, marker: marker && {...marker, color: one(marker.color), size: Math.max(6, one(marker.size) || 0)}, x: [null], y: [null]}))));  // without what is undefined
+  const rows = Math.ceil(data.reduce((sum, {name}) => sum + 60 + 7.2 * name.length, 0) / width), hidden = {visible: false};
+  return {data, height: data.length ? 10 + 24 * rows : 0, layout: layout({showlegend: true, xaxis: hidden, yaxis: hidden, margin: {l: 10, r: 10, t: 0, b: 0}, legend: {orientation: 'h', x: 0, y: 1, yanchor: 'top', font: {size: 12}}})};
+}
+
+/// A figure as one SVG, its plots where they lie on the page, below a legend, in the colours of a light one.
 async function svgOf(section) {
   const places = section.querySelector('.plots').getBoundingClientRect();
   let width = 0, height = 0, inner = '';
-  for (const [k, plot] of plots.filter(plot => section.contains(plot.node)).entries()) {
-    const at = plot.node.getBoundingClientRect(), size = {width: plot.node.clientWidth, height: plot.node.clientHeight};
+  const add = async (name, data, shown, size, left, top) => {
     // names that Plotly draws at random are numbers: the same file each time
-    const traces = plot.data.map((trace, number) => ({...trace, uid: String(number)}));
-    const drawn = await Plotly.toImage(structuredClone({data: traces, layout: {...plot.layout, paper_bgcolor: 'white'}}), {format: 'svg', imageDataOnly: true, ...size});
+    const traces = data.map((trace, number) => ({...trace, uid: String(number)}));
+    const drawn = await Plotly.toImage(structuredClone({data: traces, layout: {...shown, paper_bgcolor: 'white'}}), {format: 'svg', imageDataOnly: true, ...size});
     const [, chance] = /id="defs-(\w+)"/.exec(drawn);
     // an empty style of its first element stands here or there
-    inner += drawn.replaceAll(chance, 'plot' + k).replace(' style=""', '').replace('<svg ', `<svg x="${at.left - places.left}" y="${at.top - places.top}" `);
-    width = Math.max(width, Math.ceil(at.right - places.left));
-    height = Math.max(height, Math.ceil(at.bottom - places.top));
+    inner += drawn.replaceAll(chance, name).replace(' style=""', '').replace('<svg ', `<svg x="${left}" y="${top}" `);
+    width = Math.max(width, Math.ceil(left + size.width));
+    height = Math.max(height, Math.ceil(top + size.height));
+  };
+  const legend = legendOf(section, places.width);
+  if (legend.height) await add('legend', legend.data, legend.layout, {width: places.width, height: legend.height}, 0, 0);
+  for (const [k, plot] of plotsOf(section).entries()) {
+    const at = plot.node.getBoundingClientRect();
+    await add('plot' + k, plot.data, plot.layout, {width: plot.node.clientWidth, height: plot.node.clientHeight}, at.left - places.left, legend.height + at.top - places.top);
   }
-  return {name: section.id, width, height, svg: `<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink" width="${width}" height="${height}" viewBox="0 0 ${width} ${height}">${inner}</svg>`};
+  return {name: section.id, width, height, csv: csvOf(section), svg: `<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink" width="${width}" height="${height}" viewBox="0 0 ${width} ${height}">${inner}</svg>`};
 }
-async function saveSvg(name) {
-  const {svg} = await svgOf(document.getElementById(name));
-  const link = element('a', {href: URL.createObjectURL(new Blob([svg], {type: 'image/svg+xml'})), download: `bouncelab-${name}.svg`});
+const plainText = text => String(text || '').replaceAll('<br>', ' ').replace(/<[^>]*>/g, '');
+
+/// The points of a trace as [x, y, low, high]; of a band its ends, of a picture in colours what its cells hold.
+function pointsOf(trace) {
+  const {x, y, z, text, fill, error_y: e} = trace, side = (array, k) => e.type === 'constant' ? e.value : array && array[k];
+  if (z) return y.flatMap((v, row) => x.map((u, k) => [u, v, '', '', (text || z)[row][k]]));
+  const n = x.length / 2;
+  if (fill === 'toself' && n % 1 === 0 && x.slice(0, n).every((u, k) => u === x[2 * n - 1 - k])) return x.slice(0, n).map((u, k) => [u, '', ...[y[k], y[2 * n - 1 - k]].sort((a, b) => a - b)]);
+  return x.map((u, k) => {
+    const up = e && e.visible !== false ? side(e.array, k) : null, down = e && e.arrayminus ? e.arrayminus[k] : up;
+    return [u, y[k], known(down) ? y[k] - down : '', known(up) ? y[k] + up : ''];
+  });
+}
+/// What a figure shows as a table: panel, series, a column for each axis, the ends of bars and bands.
+function csvOf(section) {
+  const rows = [], axes = [];
+  const column = words => { if (!axes.includes(words)) axes.push(words); return axes.indexOf(words); };
+  for (const {data, layout: shown} of plotsOf(section)) {
+    const axisOf = (trace, which) => shown[(trace[which + 'axis'] || which).replace(/^(.)/, '$1axis')] || {}, words = (trace, which) => { const a = axisOf(trace, which); return plainText(a.words || a.title && a.title.text) || which; };
+    for (const trace of data) {
+      const places = [column(words(trace, 'x')), column(words(trace, 'y'))];
+      if (trace.z) places.push(column('bounces'));
+      for (const [x, y, low, high, z] of pointsOf(trace)) {
+        const cells = [];
+        [x, y, z].forEach((value, k) => { if (places[k] !== undefined) cells[places[k]] = value; });
+        rows.push({of: [plainText(shown.title && shown.title.text), trace.name || ''], cells, ends: [low, high]});
+      }
+    }
+  }
+  const cell = value => value === null || value === undefined ? '' : /[",\n]/.test(value) ? `"${String(value).replaceAll('"', '""')}"` : String(value);
+  return [['panel', 'series', ...axes, 'low', 'high'], ...rows.map(({of, cells, ends}) => [...of, ...axes.map((_, k) => cells[k]), ...ends])].map(row => row.map(cell).join(',') + '\n').join('');
+}
+function saved(name, extension, type, content) {
+  const link = element('a', {href: URL.createObjectURL(new Blob([content], {type})), download: `bouncelab-${name}.${extension}`});
   link.click();
   URL.revokeObjectURL(link.href);
 }

@@ -12,16 +12,16 @@ function drawReservoir(parent, r) {
   const many = x.length > 300, marker = {size: many ? 4 : 7, color: blue, opacity: many ? 0.5 : 1};
   const what = d.drop.map((drop, k) => `drop ${drop}, impacts ${d.first_impact[k]} to ${d.last_impact[k]}`);
   draw(parent, '', [
-    {x: [low, top], y: [low, top], type: 'scatter', mode: 'lines', line: {color: ink, width: 1.2, dash: 'dash'}, hoverinfo: 'skip'},
-    {x, y: d.sound_m2ps2, type: 'scatter', mode: 'markers', marker, text: what, hovertemplate: '%{text}<br>simulated %{x:.4g}<br>sound %{y:.4g} m²/s²<extra></extra>'}],
-    {showlegend: false, xaxis: axis('w gained, simulated (m²/s²)', {range: [low, top], nticks: 6}), yaxis: axis('w gained, from sound (m²/s²)', {range: [low, top], nticks: 6})});
-  const traces = [{x, y: difference, type: 'scatter', mode: 'markers', marker, text: what, error_y: {type: 'data', array: d.own_se_m2ps2, thickness: 1, width: 0, color: grey},
+    {x: [low, top], y: [low, top], type: 'scatter', mode: 'lines', name: 'equal', line: {color: ink, width: 1.2, dash: 'dash'}, hoverinfo: 'skip'},
+    {x, y: d.sound_m2ps2, type: 'scatter', mode: 'markers', name: 'drop', marker, text: what, hovertemplate: '%{text}<br>simulated %{x:.4g}<br>sound %{y:.4g} m²/s²<extra></extra>'}],
+    {showlegend: false, xaxis: axis('twice the energy per mass gained,<br>simulated (m²/s²)', {range: [low, top], nticks: 6}), yaxis: axis('twice the energy per mass gained,<br>from sound (m²/s²)', {range: [low, top], nticks: 6})});
+  const traces = [{x, y: difference, type: 'scatter', mode: 'markers', name: 'drop, with its own standard error', marker, text: what, error_y: {type: 'data', array: d.own_se_m2ps2, thickness: 1, width: 0, color: grey},
                    hovertemplate: '%{text}<br>sound less simulated %{y:.3g} m²/s²<extra></extra>'}];
   if (known(r.expected_law_m2ps2)) {
     const order = x.map((_, k) => k).sort((a, b) => x[a] - x[b]), law = order.map(k => 1.96 * d.law_se_m2ps2[k]), along = order.map(k => x[k]);
-    traces.unshift({x: along.concat([...along].reverse()), y: law.concat(law.map(s => -s).reverse()), type: 'scatter', mode: 'lines', fill: 'toself', fillcolor: 'rgba(31,95,168,.14)', line: {width: 0}, hoverinfo: 'skip'});
+    traces.unshift({x: along.concat([...along].reverse()), y: law.concat(law.map(s => -s).reverse()), type: 'scatter', mode: 'lines', name: '95 % of the error of the law', fill: 'toself', fillcolor: 'rgba(31,95,168,.14)', line: {width: 0}, hoverinfo: 'skip'});
   }
-  draw(parent, '', traces, {showlegend: false, xaxis: axis('w gained, simulated (m²/s²)', {range: [low, top], nticks: 6}),
+  draw(parent, '', traces, {showlegend: false, xaxis: axis('twice the energy per mass gained,<br>simulated (m²/s²)', {range: [low, top], nticks: 6}),
                             yaxis: axis('sound less simulated (m²/s²)', {zeroline: true, zerolinecolor: ink, zerolinewidth: 1, exponentformat: 'power', nticks: 6})});
 }
 

@@ -12,25 +12,25 @@ function drawHistogram(parent, h) {
   const x = centres(h.bins.eps_edges);
   const used = x.map((_, k) => k).filter(k => h.bins.counts[k] > 0);
   const traces = [{
-    x: used.map(k => x[k]), y: used.map(k => h.bins.counts[k] / unit), type: 'scatter', mode: 'markers',
+    x: used.map(k => x[k]), y: used.map(k => h.bins.counts[k] / unit), type: 'scatter', mode: 'markers', name: 'bounces, with Poisson errors',
     error_y: {type: 'data', array: used.map(k => Math.sqrt(h.bins.counts[k]) / unit), thickness: 1, width: 0, color: grey},
     marker: {size: 4.5, color: blue}, text: used.map(k => h.bins.counts[k]), hovertemplate: 'ε = %{x:.4f}<br>%{text} samples<extra></extra>',
   }];
-  if (h.normal) traces.push({x, y: h.normal.expected.map(n => n / unit), type: 'scatter', mode: 'lines', line: {color: grey, width: 1.2, dash: 'dot'}, hoverinfo: 'skip'});
+  if (h.normal) traces.push({x, y: h.normal.expected.map(n => n / unit), type: 'scatter', mode: 'lines', name: 'normal distribution that fits best', line: {color: grey, width: 1.2, dash: 'dot'}, hoverinfo: 'skip'});
   if (h.curve && h.curve.eps)
-    traces.push({x: h.curve.eps, y: h.curve.density, type: 'scatter', mode: 'lines', line: {color: red, width: 1.8}, hoverinfo: 'skip'});
+    traces.push({x: h.curve.eps, y: h.curve.density, type: 'scatter', mode: 'lines', name: 'two exponentials, fitted', line: {color: red, width: 1.8}, hoverinfo: 'skip'});
   const theory = expectedDensity(h);
   if (theory) {
     const simulated = x.map((_, k) => k).filter(k => theory.simulated_counts[k] > 0);
-    traces.push({x: simulated.map(k => x[k]), y: simulated.map(k => theory.simulated_counts[k] / (theory.n_simulated * width)), type: 'scatter', mode: 'markers',
+    traces.push({x: simulated.map(k => x[k]), y: simulated.map(k => theory.simulated_counts[k] / (theory.n_simulated * width)), type: 'scatter', mode: 'markers', name: 'simulated, without sound',
                  marker: {size: 9, color: ink, symbol: 'circle-open', line: {width: 1}}, text: simulated.map(k => theory.simulated_counts[k]), hovertemplate: 'ε = %{x:.4f}<br>%{text} simulated<extra></extra>'},
-                {x: theory.eps, y: theory.density, type: 'scatter', mode: 'lines', line: {color: green, width: 1.8, dash: 'dash'}, hoverinfo: 'skip'});
+                {x: theory.eps, y: theory.density, type: 'scatter', mode: 'lines', name: 'closed form, nothing fitted', line: {color: green, width: 1.8, dash: 'dash'}, hoverinfo: 'skip'});
   }
   const floor = 0.4 / unit;
   const top = Math.max(...h.bins.counts.map(c => c / unit), ...((h.curve && h.curve.density) || [0]));
   draw(parent, 'small', traces, {
     showlegend: false, margin: {l: 52, r: 8, t: 30, b: 42}, title: {text: `v = ${speed(h.v_mps)}, n = ${number(h.n)}`, font: {size: 13}, x: 0.5, y: 0.97},
-    xaxis: axis('ε', {nticks: 5}), yaxis: axis('p(ε)', {type: 'log', range: [Math.log10(floor), Math.log10(top) + 0.25], dtick: 1, exponentformat: 'power'}),
+    xaxis: axis('coefficient of restitution ε', {nticks: 5}), yaxis: axis('probability density p(ε)', {type: 'log', range: [Math.log10(floor), Math.log10(top) + 0.25], dtick: 1, exponentformat: 'power'}),
   });
 }
 
@@ -56,13 +56,13 @@ function drawSlopes(parent, histograms, theory) {
   const expected = (theory && theory.slopes) || [], other = theory ? slopesWithoutSound() : [];
   const line = (side, color) => ({x: expected.map(s => s.v_mps), y: expected.map(s => s[side]), mode: 'lines', type: 'scatter', name: `${side}, theory`, line: {color, width: 1.6},
                                   hovertemplate: `%{x} m/s<br>${side}, theory %{y:.4g}<extra></extra>`});
-  const open = (side, color) => ({x: other.map(s => s.v_mps), y: other.map(s => s[side].value), mode: 'markers', type: 'scatter', showlegend: false,
+  const open = (side, color) => ({x: other.map(s => s.v_mps), y: other.map(s => s[side].value), mode: 'markers', type: 'scatter', name: `${side}, without sound`, showlegend: false,
                                   marker: {size: 12, color, symbol: 'circle-open', line: {width: 1.4}}, hovertemplate: `%{x} m/s<br>${side}, without sound %{y:.4g}<extra></extra>`});
   const lines = expected.length ? [line('rising', blue), line('falling', orange)] : [];
   const rings = other.length ? [open('rising', blue), open('falling', orange)] : [];
   draw(parent, 'low', [...lines, ...rings, trace('slope_rising', theory && !narrow ? 'rising, sound' : 'rising', blue), trace('slope_falling', theory && !narrow ? 'falling, sound' : 'falling', orange)],
        {showlegend: true, xaxis: speedAxis(), yaxis: logAxis('slope of log p(ε)')});
-  const ratio = expected.length ? [{x: expected.map(s => s.v_mps), y: expected.map(s => s.falling / s.rising), mode: 'lines', type: 'scatter', line: {color: ink, width: 1.6}, hoverinfo: 'skip'}] : [];
+  const ratio = expected.length ? [{x: expected.map(s => s.v_mps), y: expected.map(s => s.falling / s.rising), mode: 'lines', type: 'scatter', name: 'falling / rising, theory', line: {color: ink, width: 1.6}, hoverinfo: 'skip'}] : [];
   draw(parent, 'low', [...ratio, trace('slope_ratio', 'falling / rising', ink)],
        {showlegend: false, xaxis: speedAxis(), yaxis: axis('falling slope / rising slope'),
         shapes: [{type: 'line', xref: 'paper', x0: 0, x1: 1, y0: 1, y1: 1, line: {color: red, width: 1.4}}]});

@@ -18,7 +18,7 @@ function drawWave(parent) {
     hovertemplate: '%{x:.6f} s<br>%{text}<extra></extra>'});
   traces.push(marks(plain, red, 'impacts found'));
   if (said.length) traces.push(marks(said, orange, 'with a flag'));
-  draw(parent, 'low', traces, {xaxis: axis('time (s)'), yaxis: axis('amplitude', {range: [-level * 1.02, level * 1.12]})});
+  draw(parent, 'low', traces, {xaxis: axis('time (s)'), yaxis: axis('amplitude (full scale = 1)', {range: [-level * 1.02, level * 1.12]})});
 }
 
 /// The sound around one impact; time counts from where it was found.
@@ -34,9 +34,9 @@ function drawExcerpt(parent, excerpt) {
   }
   const first = excerpt.marks[0];
   const title = excerpt.title + (first ? `, t = ${first.t_s.toFixed(6)} s` + (known(first.sigma_t_s) ? ` ± ${number(1e6 * first.sigma_t_s, 2)} µs` : '') : '');
-  draw(parent, 'small', [{x: ms, y: excerpt.samples, mode: 'lines', type: 'scatter', line: {color: ink, width: 1}, hovertemplate: '%{x:.4f} ms<extra></extra>'}],
+  draw(parent, 'small', [{x: ms, y: excerpt.samples, mode: 'lines', type: 'scatter', name: 'sound', line: {color: ink, width: 1}, hovertemplate: '%{x:.4f} ms<extra></extra>'}],
        {shapes, showlegend: false, margin: {l: 56, r: 8, t: 30, b: 42}, title: {text: title, font: {size: 13}, x: 0.5, y: 0.97},
-        xaxis: axis('time after the impact found (ms)', {nticks: 6}), yaxis: axis('amplitude', {range: [-top, top], nticks: 5})});
+        xaxis: axis('time after the impact found (ms)', {nticks: 6}), yaxis: axis('amplitude (full scale = 1)', {range: [-top, top], nticks: 5})});
 }
 
 /// The recording as it sounds, where the report carries it: all of it, and each impact alone.

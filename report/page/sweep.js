@@ -13,9 +13,9 @@ function drawSwept(parent, sweep, title, key, extra) {
   const traces = [...groups].map(([name, points], k) => ({
     x: points.map(p => numeric ? Number(p.settings[along]) : p.settings[along]), y: points.map(p => p.values[key]), name: name || title, type: 'scatter', mode: 'lines+markers',
     error_y: {type: 'data', array: points.map(p => p.values['se_' + key] ?? 0), thickness: 1.2, width: 3}, line: {color: windowColours[(2 * k + 1) % windowColours.length], width: 1.6}, marker: {size: 7}}));
-  draw(parent, 'small', traces, {showlegend: groups.size > 1, title: {text: title, font: {size: 13}, x: 0.5, y: 0.98}, margin: {l: 64, r: 10, t: 34, b: groups.size > 1 ? 90 : 46},
+  draw(parent, 'small', traces, {showlegend: groups.size > 1, margin: {l: 64, r: 10, t: 16, b: groups.size > 1 ? 90 : 46},
                                  legend: {orientation: 'h', y: -0.22, yanchor: 'top', x: 0, font: {size: 10}},
-                                 xaxis: axis(along.replace(/-/g, ' '), numeric ? {} : {type: 'category'}), yaxis: axis('', extra)});
+                                 xaxis: axis(optionWords(along), numeric ? {} : {type: 'category'}), yaxis: axis(title, extra)});
 }
 
 function sweepSection(sweep) {

@@ -11,7 +11,7 @@ const scoreCells = s => [share(s.f_50ms), share(s.f_5ms), share(s.f_1ms), share(
                          significant(s.bound_ratio_within_drops), significant(s.eps_error), known(s.pull) ? s.pull.toFixed(2) : '–', share(s.coverage), significant(s.invented_per_hour), known(s.times_real_time) ? number(Math.round(s.times_real_time)) : '–'];
 
 /// One number of every detector against the values of one list, or of the first recording and of several short lists.
-function drawFactors(parent, validation, options, key, extra, bound) {
+function drawFactors(parent, validation, options, key, words, extra, bound) {
   const alone = options.length === 1, of = d => d.factors.filter(f => options.includes(f.option)), numeric = alone && isNumeric(of(validation.detectors[0]).map(f => f.value));
   const place = f => numeric ? Number(f.value) : alone ? f.value : `${f.option.replace(/-/g, ' ')} ${f.value}`;
   const isFirst = (f, k, all) => k === 0 || all[k - 1].option !== f.option;  // the same recording in every list
@@ -21,8 +21,8 @@ function drawFactors(parent, validation, options, key, extra, bound) {
                                                       line: {color: detectorColours[k % detectorColours.length], width: 1.6}, marker: {size: 8, symbol: k, color: detectorColours[k % detectorColours.length]}}));
   if (bound) traces.push({x: points(validation.detectors[0]).map(p => p.x), y: points(validation.detectors[0]).map(p => p.score.bound_s), type: 'scatter', mode: numeric ? 'lines' : 'markers', name: 'Cramér–Rao bound',
                           line: {color: red, dash: 'dash', width: 1.6}, marker: {symbol: 'line-ew', size: 12, line: {width: 2, color: red}}});
-  draw(parent, alone ? 'small' : '', traces, {showlegend: true, title: {text: alone ? options[0].replace(/-/g, ' ') : 'one thing different', font: {size: 13}, x: 0.5, y: 0.98}, margin: {l: 64, r: 10, t: 54, b: numeric ? 40 : 110},
-                                              xaxis: axis('', numeric ? {} : {type: 'category'}), yaxis: axis('', extra)});
+  draw(parent, alone ? 'small' : '', traces, {showlegend: true, title: {text: alone ? '' : 'one thing different', font: {size: 13}, x: 0.5, y: 0.98}, margin: {l: 64, r: 10, t: 54, b: numeric ? 50 : 110},
+                                              xaxis: axis(alone ? optionWords(options[0]) : 'what is different from the first recording', numeric ? {} : {type: 'category'}), yaxis: axis(words, extra)});
 }
 
 /// The sound of a recording, what is true (below) and what was marked (above).
@@ -32,7 +32,7 @@ function drawMarked(parent, worst) {
   draw(parent, 'low', [{x: e.t_s, y: e.lo, mode: 'lines', type: 'scatter', line: {width: 0.6, color: grey}, hoverinfo: 'skip', showlegend: false},
                        {x: e.t_s, y: e.hi, mode: 'lines', type: 'scatter', line: {width: 0.6, color: grey}, fill: 'tonexty', fillcolor: 'rgba(120,132,145,.45)', name: 'sound', hoverinfo: 'skip'},
                        marks(worst.marked_s, level, red, 'marked'), marks(worst.true_s, -level, blue, 'true')],
-       {title: {text: `${worst.recording}: F ±5 ms ${share(worst.f)}`, font: {size: 13}, x: 0.5, y: 0.98}, margin: {l: narrow ? 52 : 68, r: narrow ? 8 : 18, t: 54, b: 46}, xaxis: axis('time (s)'), yaxis: axis('amplitude', {range: [-1.12 * level, 1.12 * level]})});
+       {title: {text: `${worst.recording}: F ±5 ms ${share(worst.f)}`, font: {size: 13}, x: 0.5, y: 0.98}, margin: {l: narrow ? 52 : 68, r: narrow ? 8 : 18, t: 54, b: 46}, xaxis: axis('time (s)'), yaxis: axis('amplitude (full scale = 1)', {range: [-1.12 * level, 1.12 * level]})});
 }
 
 function validationPage(validation) {
@@ -42,14 +42,14 @@ function validationPage(validation) {
   if (options.length) {
     const nValues = option => validation.detectors[0].factors.filter(f => f.option === option).length;
     const long = options.filter(option => nValues(option) > 3), short = options.filter(option => nValues(option) <= 3);
-    const drawAllOf = (name, title, caption, key, extra, bound) => {
+    const drawAllOf = (name, title, caption, key, words, extra, bound) => {
       const parent = figure(name, title, caption), panels = element('div', {class: 'grid wide'});
       parent.append(panels);
-      for (const option of long) drawFactors(panels, validation, [option], key, extra, bound);
-      if (short.length) drawFactors(parent, validation, short, key, extra, bound);
+      for (const option of long) drawFactors(panels, validation, [option], key, words, extra, bound);
+      if (short.length) drawFactors(parent, validation, short, key, words, extra, bound);
     };
-    drawAllOf('found', 'What is found', 'F-measure at ±5 ms. In each recording one thing is different from the first.', 'f_5ms', {range: [-0.05, 1.05]}, false);
-    drawAllOf('jitter', 'How exactly', 'Rms error of the times within a drop (s), beside the bound that no unbiased estimate can beat on average. Pairs further than 1 ms are not in it.', 'within_drops_s', {type: 'log', exponentformat: 'power', dtick: 1}, true);
+    drawAllOf('found', 'What is found', 'F-measure at ±5 ms. In each recording one thing is different from the first.', 'f_5ms', 'F-measure at ±5 ms', {range: [-0.05, 1.05]}, false);
+    drawAllOf('jitter', 'How exactly', 'Rms error of the times within a drop (s), beside the bound that no unbiased estimate can beat on average. Pairs further than 1 ms are not in it.', 'within_drops_s', 'rms error of times<br>within a drop (s)', {type: 'log', exponentformat: 'power', dtick: 1}, true);
   }
   for (const d of validation.detectors) {
     if (!(d.worst || []).length) continue;

@@ -90,20 +90,42 @@ std::string page_of(const nlohmann::json& figure) {
          "px; margin: 0 } body { margin: 0 } svg { display: block }</style>" + figure.at("svg").get<std::string>();
 }
 
+/// What a page holds as data. @return null where it has nothing of this name
+nlohmann::json data_of(const std::string& page, const std::string& id) {
+  const std::string begin = "<script type=\"application/json\" id=\"" + id + "\">", end = "</script>";
+  const std::size_t at = page.find(begin);
+  if (at == std::string::npos) return nullptr;
+  const std::size_t first = at + begin.size();
+  return nlohmann::json::parse(page.substr(first, page.find(end, first) - first), nullptr, false);
+}
+
+/// What compare and validate showed stands in their page, some of it nowhere else. @return whether there is such a page
+bool takes_from_page(const fs::path& page, report::ReportInput& input, std::vector<fs::path>& inputs) {
+  if (!fs::exists(page)) return false;
+  const nlohmann::json data = data_of(whole_content(page), "data");
+  bool has_some = false;
+  for (const auto& [name, member] : {std::pair{"comparison", &report::ReportInput::comparison_json},
+                                     {"points", &report::ReportInput::comparison_points_json},
+                                     {"validation", &report::ReportInput::validation_json}})
+    if (data.is_object() && data.contains(name) && data.at(name).is_object()) {
+      input.*member = data.at(name).dump();
+      has_some = true;
+    }
+  if (has_some) inputs.push_back(page), input.title = data.value("title", "");
+  return has_some;
+}
+
 /// What the page's scripts put in place of the page (listFigures in plot.js).
 nlohmann::json listed_figures(const fs::path& scratch, const fs::path& page) {
-  const std::string begin = "<script type=\"application/json\" id=\"figures\">", end = "</script>";
-  const std::string drawn = opened(scratch, page.string() + "#figures", {"--dump-dom"});
-  const std::size_t at = drawn.find(begin);
-  if (at == std::string::npos) throw failure("its page has no list of figures");
-  const std::size_t first = at + begin.size();
-  return nlohmann::json::parse(drawn.substr(first, drawn.find(end, first) - first));
+  nlohmann::json listed = data_of(opened(scratch, page.string() + "#figures", {"--dump-dom"}), "figures");
+  if (!listed.is_array()) throw failure("its page has no list of figures");
+  return listed;
 }
 
 using Files = std::vector<std::pair<fs::path, std::string>>;
 
-/// All figures of a page, each as NAME.svg and NAME.pdf, as its own scripts draw them, by a browser without a window:
-/// Chromium, Chrome or Edge.
+/// All figures of a page, each as NAME.svg, NAME.pdf and NAME.csv, as its own scripts draw them, by a browser without a
+/// window: Chromium, Chrome or Edge.
 /// @param page      as report::render makes it, with a figure at least
 /// @param progress  called after each figure
 /// @throws FileError where no such browser is installed, or it cannot draw them; Interrupted
@@ -120,8 +142,9 @@ Files draw_figures(const std::string& page, const fs::path& folder, const Progre
     opened(scratch.path(), single.string(), {"--no-pdf-header-footer", "--print-to-pdf=" + pdf.string()});
     files.emplace_back(folder / (name + ".svg"), figure.at("svg"));
     files.emplace_back(folder / (name + ".pdf"), whole_content(pdf));
+    files.emplace_back(folder / (name + ".csv"), figure.at("csv"));
     fs::remove(pdf);
-    progress(0.5 * static_cast<double>(files.size()), static_cast<double>(listed.size()));
+    progress(static_cast<double>(files.size() / 3), static_cast<double>(listed.size()));
   }
   return files;
 }
@@ -142,7 +165,7 @@ Outcome write_figures(const std::string& page, const std::string& folder, const 
     written.emplace_back(path.string());
   }
   outcome.result = {{"figures", std::move(written)}};
-  outcome.text = fmt::format("{} figures in {}, each as SVG and PDF\n", files.size() / 2, folder);
+  outcome.text = fmt::format("{} figures in {}, each as SVG and PDF, its data as CSV\n", files.size() / 3, folder);
   return outcome;
 }
 
@@ -156,16 +179,21 @@ std::string name_of_folder(const fs::path& folder) {
 Outcome run_report(const ReportOptions& options, const Run& run) {
   const fs::path folder = options.folder;
   const fs::path fit = folder / "fit.json";
-  if (!fs::exists(fit) && !fs::exists(folder / "sweep.json"))
-    throw FileError(fit.string(), "no such file; bouncelab fit, analyze or loop makes it");
+  std::vector<fs::path> inputs;
+  report::ReportInput input;
+  if (!fs::exists(fit) && !fs::exists(folder / "sweep.json") && !takes_from_page(folder / "report.html", input, inputs))
+    throw FileError(
+        fit.string(),
+        "no such file, nor is there a page of compare or validate; bouncelab fit, analyze, loop, compare or "
+        "validate makes them");
   const fs::path out = options.out.empty() ? folder / "report.html" : fs::path(options.out);
   std::vector<fs::path> shown{folder / "samples.csv"};
   for (const auto& [name, member] : kParts) shown.push_back(folder / name);
   const bool writes_page = options.figures.empty() || !options.out.empty();
+  shown.insert(shown.end(), inputs.begin(), inputs.end());
   if (writes_page) check_files(run, shown, {out});
-  std::vector<fs::path> inputs;
-  report::ReportInput input;
-  input.title = options.title.empty() ? "Restitution: " + name_of_folder(folder) : options.title;
+  if (input.title.empty()) input.title = "Restitution: " + name_of_folder(folder);
+  if (!options.title.empty()) input.title = options.title;
   for (const auto& [name, member] : kParts) input.*member = content_if_there(folder / name, inputs);
   if (!input.fit_json.empty() && !is_fit(input.fit_json))
     throw FileError(fit.string(),
