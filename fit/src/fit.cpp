@@ -172,7 +172,9 @@ void describe_scatter(FitResult& result, const RestitutionSamples& kept, const P
 
 /// Are the samples of one ball? With the outliers of the pooled law: they may be all of one recording.
 void compare_parts(FitResult& result, const RestitutionSamples& used, const FitConfig& config) {
-  if (config.compare_recordings) result.recordings = compare_recordings(used, config.law, result.law);
+  if (config.compare_recordings)
+    result.recordings = compare_recordings(used, config.law, result.law, config.histograms);
+  result.recordings.are_plates = config.recordings_are_plates;
   result.kinds_of_drops = two_kinds_of_drops(used);
   const bool recordings_agree =
       result.recordings.rows.empty() || (result.recordings.test && !disagree(result.recordings));

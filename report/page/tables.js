@@ -79,7 +79,7 @@ function recordingsTable() {
   const most = 50, shown = all.length > most ? [...all].sort((a, b) => far(b) - far(a)).slice(0, most) : all;
   const nodes = (fit && fit.curve && fit.curve.nodes) || [];
   const at = (r, v) => { const n = (r.nodes || []).find(node => node.v_mps === v); return n ? measured(n.eps, n.se) : '–'; };
-  table('Recordings', ['recording', 'samples', 'drops', ...nodes.map(n => `ε(${speed(n.v_mps)})`), 'offset from one curve'],
+  table(nounOfRows === 'plate' ? 'Plates' : 'Recordings', [nounOfRows, 'samples', 'drops', ...nodes.map(n => `ε(${speed(n.v_mps)})`), 'offset from one curve'],
         shown.map(r => [shownName(r.recording) || '(no name)', number(r.n), number(r.n_drops), ...nodes.map(n => at(r, n.v_mps)), estimated(r.offset)]),
         'ε here is that of the law, the peak. ' +
         (test ? `Each alone${withMemory ? ', impacts taken as independent' : ''}. One curve for all: p = ${number(test.p_value, 3)} (likelihood ratio ${number(test.likelihood_ratio, 4)} for ${number(test.ndf)} offsets, against the differences between ${test.within}).` : 'Each alone; too few samples to compare them.') +
@@ -92,6 +92,10 @@ function histogramTables() {
         used.map(h => [speed(h.v_mps), number(h.n), `${h.bins.underflow} / ${h.bins.overflow}`, estimated(h.peak_eps), estimated(h.slope_rising), estimated(h.slope_falling),
                        `${number(h.slope_ratio.value, 3)} (${interval(h.slope_ratio.ci95)})`, p(h)]),
         'Two exponentials, unbinned, timing noise taken out, the law’s drift inside the window taken out; intervals by profile likelihood. Below / above: samples outside the bins of the picture.');
+  foldedTable(`p(ε) of each ${nounOfRows}`, [nounOfRows, 'window', 'n', 'peak ε', 'rising slope', 'falling slope', 'falling / rising (95%)'],
+        ((fit && fit.recordings) || []).flatMap(r => (r.slopes || []).map(h => [shownName(r.recording) || '(no name)', speed(h.v_mps), number(h.n), ...[h.peak_eps, h.slope_rising, h.slope_falling].map(estimated),
+                                                                           `${number(h.slope_ratio.value, 3)} (${interval(h.slope_ratio.ci95)})`])),
+        `As above, of the samples of each ${nounOfRows} about its own law.`);
   foldedTable('Two exponentials or a normal?', ['window', 'ΔAIC', 'p two exponentials', 'p normal'],
         used.filter(h => h.normal).map(h => [speed(h.v_mps), number(Math.round(10 * h.normal.delta_aic) / 10, 6), p(h), p(h.normal)]),
         'AIC of the normal less that of the two exponentials of the same samples, both with the timing errors: positive speaks for the two exponentials. p: of χ².');

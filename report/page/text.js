@@ -12,6 +12,7 @@ const constants = (fit && fit.constants) || {}, withMemory = constants.with_memo
 const notesOf = severity => ((summary && summary.notes) || (fit && fit.notes) || []).filter(note => (note.severity === 'detail') === (severity === 'detail')).map(note => note.text);
 /// Why a fit is as it is, by the kinds of its notes.
 const whyOf = kinds => ((fit && fit.notes) || []).filter(note => kinds.test(note.kind)).map(note => note.text).join('; ');
+const nounOfRows = fit && fit.recordings_are === 'plates' ? 'plate' : 'recording';  // of fit.recordings
 const few = Boolean(samples);  // few enough to be shown one by one: more are not in the data
 
 function element(tag, attributes, ...children) {

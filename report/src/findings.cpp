@@ -54,13 +54,21 @@ std::string other_centres(const Curve& curve) {
 }
 
 std::string dependence(const FitResult& r) {
+  const std::string constants = constants_in_words(r);
+  return "ε = " + describe_nodes(*r.curve) + " (± one standard error)." + other_centres(*r.curve) +
+         (constants.empty() ? "" : " ") + constants;
+}
+
+}  // namespace
+
+std::string constants_in_words(const FitResult& r) {
   std::vector<std::string> unknown;
   for (const NamedEstimate& p : r.constants.parameters)
     if (!p.estimate.identified) unknown.push_back(p.name);
   const std::string known = describe_constants(r.constants.parameters);
-  std::string text = "ε = " + describe_nodes(*r.curve) + " (± one standard error)." + other_centres(*r.curve);
+  std::string text;
   if (!known.empty())
-    text += " Constants of the law: " + known + (r.constants.with_memory ? " (by the fit with memory)." : ".");
+    text = " Constants of the law: " + known + (r.constants.with_memory ? " (by the fit with memory)." : ".");
   if (r.constants.status == FitStatus::not_applicable && r.constants.why) text += " " + as_sentence(*r.constants.why);
   if (r.constants.gamma)
     text += " As a viscoelastic ball, with one constant of dissipation" +
@@ -69,8 +77,10 @@ std::string dependence(const FitResult& r) {
   if (!unknown.empty())
     text += " These " + std::to_string(r.law.n) + " impacts do not determine the constants " + joined(unknown) +
             " of the law; they determine the curve.";
-  return text;
+  return text.empty() ? text : text.substr(1);
 }
+
+namespace {
 
 /// Do the samples scatter as the fit that is quoted assumes? Empty where it was not tested.
 std::string scatter_as_assumed(const FitResult& r) {
@@ -360,7 +370,9 @@ std::vector<Finding> findings_of(const FitResult& result, const SampleConditions
                 {"Is the scatter Gaussian?", gaussian(result.histograms)}};
   findings.push_back({"How do I use it in a DEM code?", in_dem(result)});
   if (std::string agreement = in_words(result.recordings); !agreement.empty())
-    findings.insert(findings.begin() + (result.is_one_ball ? 1 : 0), {"Do the recordings agree?", sentence(agreement)});
+    findings.insert(
+        findings.begin() + (result.is_one_ball ? 1 : 0),
+        {result.recordings.are_plates ? "Do the plates agree?" : "Do the recordings agree?", sentence(agreement)});
   if (result.memory && result.is_one_ball)
     findings.insert(findings.end() - 1, {"Do the fluctuations remember?", remembers(result)});
   return findings;

@@ -42,7 +42,7 @@ constexpr Wording kWordings[]{
      "height. Their first impact is left out"},
     {Kind::recording_left_out, warning, "{s}; left out"},
     {Kind::recordings_differ, warning,
-     "the {0} recordings differ by more than chance (p = {1:.2g}): {s}; use the value of each recording, "
+     "the {0} {2|recordings|plates} differ by more than chance (p = {1:.2g}): {s}; use the value of each, "
      "since the errors of a common value are too small"},
     {Kind::two_kinds_of_drops, warning, "the drops are of two kinds: ε is about {s}. Two balls, or two floors?"},
     {Kind::doubtful_drops, warning,

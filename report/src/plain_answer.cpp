@@ -172,7 +172,7 @@ std::vector<RecordingAnswer> answers_by_recording(const FitResult& result, const
     const NodeEstimate* nearest = nullptr;
     for (const NodeEstimate& node : row.law.nodes)
       if (!nearest || std::abs(node.v_mps - *v_mps) < std::abs(nearest->v_mps - *v_mps)) nearest = &node;
-    if (nearest) answer.at = at_node(*nearest, result.law.scatter);
+    if (nearest) answer.at = at_node(*nearest, row.law.scatter);
     answers.push_back(std::move(answer));
   }
   return answers;
@@ -233,12 +233,14 @@ std::string percent_lost(const SpeedAndRestitution& at) {
   return rounded(100.0 * at.energy_lost, exact ? 1 : 0);
 }
 
+const char* noun(const Recordings& recordings) { return recordings.are_plates ? "plates" : "recordings"; }
+
 /// Where recordings differ by more than chance, or cannot be compared: their range instead of a value.
 std::string of_range(const Recordings& recordings) {
   if (const auto differ = note_of_difference(recordings)) return as_sentence(*differ);
   const std::string range = extremes(recordings.rows);
-  return formatted("Whether the %zu recordings agree is not known, since each has too few bounces: ",
-                   recordings.rows.size()) +
+  return formatted("Whether the %zu %s agree is not known, since each has too few bounces: ", recordings.rows.size(),
+                   noun(recordings)) +
          range + (range.empty() ? "" : "; ") + "use the value of each (--pool makes one value of all).";
 }
 
@@ -312,17 +314,19 @@ std::string in_words(const RecordingAnswer& recording) {
 std::optional<Note> note_of_difference(const Recordings& recordings) {
   if (!disagree(recordings)) return std::nullopt;
   const RecordingsTest& test = *recordings.test;
-  return Note{
-      NoteKind::recordings_differ, {static_cast<double>(test.n_recordings), test.p_value}, extremes(recordings.rows)};
+  return Note{NoteKind::recordings_differ,
+              {static_cast<double>(test.n_recordings), test.p_value, recordings.are_plates ? 2.0 : 1.0},
+              extremes(recordings.rows)};
 }
 
 std::string in_words(const Recordings& recordings) {
   if (recordings.rows.empty()) return {};
   if (const auto differ = note_of_difference(recordings)) return in_words(*differ);
   if (!recordings.test)
-    return formatted("the %zu recordings cannot be compared: each has too few samples", recordings.rows.size());
+    return formatted("the %zu %s cannot be compared: each has too few samples", recordings.rows.size(),
+                     noun(recordings));
   const RecordingsTest& test = *recordings.test;
-  return formatted("the %zu recordings agree (p = %.2g", test.n_recordings, test.p_value) +
+  return formatted("the %zu %s agree (p = %.2g", test.n_recordings, noun(recordings), test.p_value) +
          (test.within == WithinUnit::drops
               ? " by the differences between drops)"
               : " if all impacts are independent; too few drops to know whether they are)");

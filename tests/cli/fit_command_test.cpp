@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // `restitution` and `fit` by hand and with bad samples.
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 #include <utility>
@@ -109,11 +110,91 @@ TEST_F(FitCommand, OfTwoFilesIsThatOfOneFileWithAColumnRecording) {
   const Result two = run("fit a.csv b.csv --out two.json --goodness-replicates 0 --method asymmetric-laplace");
   fit(both, "--goodness-replicates 0");
   EXPECT_EQ(content("two.json"), content("f.json"));
-  EXPECT_THAT(two.out, testing::HasSubstr("The 2 recordings agree (p = "));
+  EXPECT_THAT(two.out, testing::HasSubstr("the 2 recordings agree (p = "));
   EXPECT_THAT(two.out, testing::HasSubstr("a.csv: ε = "));
   EXPECT_EQ(found()["recordings"][1]["recording"], "b.csv");
   EXPECT_EQ(found()["recordings"][1]["n"], 285);
   EXPECT_THAT(content("two.json.meta.json"), testing::HasSubstr("b.csv"));
+}
+
+/// Lines of what fit prints: how many, and characters of the longest (bytes that begin one).
+std::pair<std::ptrdiff_t, std::ptrdiff_t> extent(const std::string& text) {
+  std::istringstream lines(text);
+  std::ptrdiff_t n = 0, longest = 0;
+  for (std::string line; std::getline(lines, line); ++n)
+    longest = std::max<std::ptrdiff_t>(longest, std::count_if(line.begin(), line.end(), [](char c) {
+                                         return (static_cast<unsigned char>(c) & 0xC0) != 0x80;
+                                       }));
+  return {n, longest};
+}
+
+TEST_F(FitCommand, PrintsTwelveLinesOfAHundredCharactersAtMostAndMakesItsFolder) {
+  const auto expect_short = [](const Result& result) {
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    const auto [n, longest] = extent(result.out);
+    EXPECT_LE(n, 12) << result.out;
+    EXPECT_LE(longest, 100) << result.out;
+  };
+  write("s.csv", table(1500, 0.2, 1.4));
+  const Result one = run("fit s.csv --out new/folder/fit.json --goodness-replicates 0 --method asymmetric-laplace");
+  expect_short(one);
+  EXPECT_TRUE(exists("new/folder/fit.json.meta.json"));
+  EXPECT_THAT(one.out, testing::HasSubstr("Constants of the law: A2 = 0."));
+  EXPECT_THAT(one.out, testing::HasSubstr("new/folder/fit.json; figures: bouncelab report new/folder\n"));
+  write("s.csv", table(20, 0.2, 1.4));
+  expect_short(run("fit s.csv --out few.json"));
+  std::string files;
+  for (int k = 0; k < 9; ++k) {
+    const std::string name =
+        "a_recording_with_a_name_that_is_long_as_those_of_phones_are_" + std::to_string(k) + ".csv";
+    write(name, table(60 + k, 0.2, 1.4, -0.02 * k));
+    files += name + " ";
+  }
+  const Result several = run("fit " + files + "--out several.json --goodness-replicates 0");
+  expect_short(several);
+  EXPECT_THAT(several.out, testing::HasSubstr("Each alone:\n  a_recording_"));
+  expect_one_line_error(run("fit s.csv --out s.csv/f.json"), 3, {"s.csv/f.json", "no folder", "choose another"});
+}
+
+TEST_F(FitCommand, OfPlatesHasConstantsAndSlopesOfEach) {
+  std::string samples = "recording,drop,impact,v_mps,eps,sigma_eps\n";
+  for (int k = 0; k < 4; ++k) {
+    std::istringstream lines(table(450 + k, 0.2, 1.4, k % 2 == 0 ? 0.0 : -0.02));
+    std::string line;
+    for (std::getline(lines, line); std::getline(lines, line);) samples += "r" + std::to_string(k) + "," + line + "\n";
+  }
+  write("s.csv", samples);
+  write("plates.csv", "recording,plate\nr0,glass\nr1,wood\nr2,glass\nr3,wood\n");
+  const std::string fit = "fit s.csv --goodness-replicates 0 --method asymmetric-laplace --out f.json ";
+  const Result result = run(fit + "--groups plates.csv --slopes slopes.csv");
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out, testing::StartsWith("The 2 plates differ by more than chance"));
+  const auto rows = found()["recordings"];
+  ASSERT_EQ(rows.size(), 2u);
+  for (std::size_t p = 0; p < 2; ++p) {
+    const auto& row = rows[p];
+    EXPECT_EQ(row["recording"], p == 0 ? "glass" : "wood");
+    EXPECT_EQ(row["n_drops"], 10);  // of two recordings, each of 4 drops of 95 impacts and of a short one
+    EXPECT_TRUE(row.contains("A2"));
+    EXPECT_EQ(row["slopes"].size(), 8u);
+    // the scatter is 4e-4 / v to both sides
+    const auto& slope = row["slopes"][3]["slope_rising"];
+    EXPECT_NEAR(slope["value"].number(), row["slopes"][3]["v_mps"].number() / 4e-4, 4.0 * slope["se"].number());
+  }
+  const std::string table = content("slopes.csv");
+  EXPECT_THAT(table, testing::StartsWith("recording,v_mps,v_lo_mps,v_hi_mps,n,peak_eps,sigma_peak_eps,"));
+  EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), 1 + 2 * 8);
+  EXPECT_THAT(table, testing::HasSubstr("\nwood,0.3,0.25,0.35,"));
+  EXPECT_THAT(content("f.json.meta.json"), testing::HasSubstr("plates.csv"));
+  // of one ball those of all come first
+  ASSERT_EQ(run(fit + "--force --pool --slopes all.csv").exit_code, 0);
+  EXPECT_THAT(content("all.csv"), testing::HasSubstr("_hi95\n,0.3,"));
+  write("dates.csv", "recording,date\nr0,2026-11-23\n");
+  expect_one_line_error(run(fit + "--groups dates.csv --force"), 3, {"dates.csv", "names no plate", "--groups"});
+  write("other.csv", "recording,plate\nr0,glass\nr1,glass\nr7,wood\n");
+  const Result partly = run(fit + "--groups other.csv --force");
+  EXPECT_THAT(partly.err, testing::HasSubstr("2 of the 4 recordings ('r2', 'r3') have no row in other.csv"));
+  EXPECT_EQ(found()["recordings"].size(), 3u);
 }
 
 TEST_F(FitCommand, FilesOfTheSameNameOrWithTheSameDropAreRecordingsOfTheirOwn) {

@@ -118,6 +118,14 @@ class Stages(Case):
             self.assertEqual(fit.results, bl.Fit.from_json(out).results)
             if "nodes" in keywords:
                 self.assertEqual((list(fit.nodes), list(fit.parameters)), ([0.8, 1.1], ["A2", "A4"]))
+        plates = self.path("plates.csv")
+        with open(plates, "w", encoding="utf-8") as file:
+            file.write(f"recording,plate\n{samples.recording[0]},glass\n")
+        program("fit", csv, "--quiet", groups=plates, out=out, force=True, ok=(0, 1), goodness_replicates=0)
+        fit = quiet(bl.fit, samples, groups=plates, goodness_replicates=0)
+        self.assertEqual(fit._text, read(out))
+        self.assertEqual(fit.results["recordings_are"], "plates")
+        self.assertEqual(len(fit.slopes), len(fit.results["histograms"]))
         keywords = dict(goodness_replicates=9, ball="steel:6mm", plate="glass")
         self.assertEqual(quiet(bl.roughness, samples, **keywords).results, printed("roughness", csv, **keywords))
 

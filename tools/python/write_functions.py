@@ -77,8 +77,11 @@ FUNCTIONS = {
     "fit": dict(
         what="The law eps(v) and the distribution of eps about it.",
         positional=[("samples", "Samples, mapping or path", None, "Columns ``v_mps`` and ``eps`` are enough.")],
+        keywords=[("groups", "path", None,
+                   "Table of columns recording and plate: the recordings of a plate are fitted together, and each plate "
+                   "has its own constants and slopes.")],
         returns=("Fit", "Curve, constants and slopes with intervals."),
-        call="_stages.fit(samples, given, progress)",
+        call="_stages.fit(samples, groups, given, progress)",
         example='''
             >>> import bouncelab as bl
             >>> impacts = bl.simulate(drops=3, impacts=40, asperities=100000)

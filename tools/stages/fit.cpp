@@ -125,16 +125,6 @@ namespace {
 
 std::string more_files(std::size_t n) { return n > 1 ? fmt::format(" and {} more", n - 1) : ""; }
 
-/// Several recordings, a line each; of many those in front.
-std::string rows_of(const report::PlainAnswer& answer) {
-  constexpr std::size_t kMostLines = 20;
-  const auto& rows = answer.recordings;
-  std::string text = !rows.empty() && answer.at ? "Each recording alone:\n" : "";
-  for (std::size_t k = 0; k < std::min(rows.size(), kMostLines); ++k) text += "  " + report::in_words(rows[k]) + "\n";
-  if (rows.size() > kMostLines) text += fmt::format("  ... and {} more, in the results\n", rows.size() - kMostLines);
-  return text;
-}
-
 }  // namespace
 
 fit::FitConfig fit_config(const FitOptions& options, const CommonOptions& common) {
@@ -148,17 +138,38 @@ void leave_out_given(const Given& given, std::vector<report::Taken>& taken) {
   std::erase_if(taken, [&](const report::Taken& one) { return given.contains(one.what); });
 }
 
-std::string answer_text(const report::FitInWords& words, const std::string& of_recordings) {
-  const std::string taken = report::in_words(words.taken);
-  return lines_of(words.answer.sentences) + rows_of(words.answer) + of_recordings +
-         (taken.empty() ? "" : taken + "\n") + (words.answer.doubt.empty() ? "" : words.answer.doubt + "\n");
+std::string answer_text(const fit::FitResult& result, const report::FitInWords& words,
+                        const std::vector<std::string>& taken_for, const std::string& constants,
+                        const std::string& where) {
+  constexpr std::ptrdiff_t kMostLines = 12;
+  constexpr std::size_t kLine_characters = 100;
+  std::vector<std::pair<std::size_t, std::string>> parts;  // that of the greatest number is left out first
+  const auto add = [&](std::size_t rank, const std::string& text) {
+    if (!text.empty()) parts.emplace_back(rank, wrapped(text, kLine_characters) + "\n");
+  };
+  const report::PlainAnswer& answer = words.answer;
+  const std::size_t n = answer.recordings.size();
+  for (std::size_t k = 0; k < answer.sentences.size(); ++k) add(10 * k, answer.sentences[k]);
+  if (n > 0) add(1, answer.at ? "Each alone; " + report::in_words(result.recordings) + ":" : "Each alone:");
+  for (std::size_t k = 0; k < n; ++k) add(k < 2 ? 2 : 200 + k, "  " + report::in_words(answer.recordings[k]));
+  add(5, constants);
+  for (std::size_t k = 0; k < taken_for.size(); ++k) add(100 + k, taken_for[k]);
+  add(50, report::in_words(words.taken));
+  add(1, answer.doubt);
+  add(1, std::string(trimmed(where, "\n")));
+  const auto n_lines = [&] {
+    std::ptrdiff_t lines = 0;
+    for (const auto& [rank, text] : parts) lines += std::count(text.begin(), text.end(), '\n');
+    return lines;
+  };
+  while (n_lines() > kMostLines) parts.erase(std::max_element(parts.begin(), parts.end()));
+  std::string all;
+  for (const auto& [rank, text] : parts) all += text;
+  return all;
 }
 
 Outcome fit_outcome(const fit::FitResult& result, const report::FitInWords& words, const std::string& samples) {
   Outcome outcome;
-  outcome.text = answer_text(words, "");
-  for (const report::Finding& finding : words.findings)
-    outcome.text += "\n" + finding.question + "\n" + finding.answer + "\n";
   outcome.notes = words.notes;
   if (result.curve) return outcome;
   outcome.exit_code = kNotUsable;
@@ -180,14 +191,18 @@ void note_other_ball(const RestitutionSamples& samples, const BallChoice& world,
 }
 
 Outcome run_fit(const FitOptions& options, const Run& run) {
-  check_files(run, {options.samples.begin(), options.samples.end()}, {options.out, options.table, options.histograms});
   const std::vector<std::filesystem::path> files(options.samples.begin(), options.samples.end());
+  std::vector<std::filesystem::path> inputs = files;
+  if (!options.groups.empty()) inputs.emplace_back(options.groups);
+  check_files(run, inputs, {options.out, options.table, options.histograms, options.slopes});
   std::vector<std::string> taken_for;
   std::vector<Note> notes;
   RestitutionSamples samples = read_sample_files(files, run.common.n_threads, options.columns, taken_for, notes);
   note_other_ball(samples, options.world, notes);
   name_ball(samples, ball_of(options.world), plate_of(options.world));
-  const fit::FitConfig config = fit_config(options, run.common);
+  fit::FitConfig config = fit_config(options, run.common);
+  config.recordings_are_plates = !options.groups.empty();
+  if (config.recordings_are_plates) join_plates(samples, options.groups, notes);
   fit::FitResult result = fit::fit_all(samples, config, progress_line(run, "fit", "fits"));
   report::FitInWords words = report::in_words(result, samples, config.memory);
   leave_out_given(run.given, words.taken);
@@ -195,12 +210,26 @@ Outcome run_fit(const FitOptions& options, const Run& run) {
   report::order(words.notes);
   take(words.notes, words);
   const Object all = report::object_of(result, words);
-  write_text(run, options.out, json_text(all, 1) + "\n", files);
+  write_text(run, options.out, json_text(all, 1) + "\n", inputs);
   if (!options.table.empty() && result.curve && result.is_one_ball && !result.curve->points.empty())
-    write_table(run, options.table, fit::law_table(result.curve->points), files);
-  if (!options.histograms.empty()) write_table(run, options.histograms, fit::histogram_table(result.histograms), files);
+    write_table(run, options.table, fit::law_table(result.curve->points), inputs);
+  if (!options.histograms.empty())
+    write_table(run, options.histograms, fit::histogram_table(result.histograms), inputs);
+  if (!options.slopes.empty())
+    write_table(
+        run, options.slopes,
+        fit::slope_table(result.is_one_ball ? result.histograms : std::vector<fit::HistogramFit>{}, result.recordings),
+        inputs);
   Outcome outcome = fit_outcome(result, words, input_name(files.front()) + more_files(files.size()));
-  outcome.text = lines_of(taken_for) + outcome.text;
+  const std::filesystem::path out = options.out;
+  const bool has_page = out.filename() == "fit.json";
+  outcome.text = answer_text(
+      result, words, taken_for, result.is_one_ball && result.curve ? report::constants_in_words(result) : "",
+      is_stream(out) ? ""
+                     : "All results, with more questions answered: " + out.string() +
+                           (has_page ? "; figures: bouncelab report " +
+                                           shell_word(out.has_parent_path() ? out.parent_path().string() : ".")
+                                     : ""));
   outcome.result = all;
   return outcome;
 }

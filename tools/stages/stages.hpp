@@ -117,14 +117,19 @@ struct FitOptions {
   std::string out;
   std::string table;       ///< empty: none
   std::string histograms;  ///< likewise
+  std::string slopes;      ///< likewise
+  std::string groups;      ///< table of plates; empty: none
   std::string columns;     ///< of a table that this program did not write: "v=speed,eps=e"
   fit::FitConfig config;
   BallChoice world;  ///< in place of what the samples say
 };
 
-/// The answer, each of several recordings, what was taken, one doubt: a line each.
-/// @param of_recordings  lines that stand behind those of the recordings
-std::string answer_text(const report::FitInWords& words, const std::string& of_recordings);
+/// The answer, some of several recordings, what was taken, one doubt: at most twelve lines of a hundred characters.
+/// @param taken_for  what tables of other programs were taken for
+/// @param constants  a sentence of them, or nothing. @param where  the rest is, the last line
+std::string answer_text(const fit::FitResult& result, const report::FitInWords& words,
+                        const std::vector<std::string>& taken_for, const std::string& constants,
+                        const std::string& where);
 
 std::vector<Section> sections_of(FitOptions& options);
 /// What the options describe.
@@ -168,10 +173,10 @@ std::vector<Section> sections_of(LoopOptions& options);
 void apply_preset(LoopOptions& options, const Given& given);
 
 struct ReportOptions {
-  std::string folder;  ///< with fit.json, and summary.json, samples.csv, wave.json where they exist
+  std::string folder;  ///< with fit.json and what lies beside it, or the page of a comparison or validation
   std::string out;
   std::string title;      ///< empty: named after the folder
-  std::string figures{};  ///< folder for each figure as SVG and PDF; empty: none
+  std::string figures{};  ///< folder for each figure as SVG, PDF and CSV; empty: none
 };
 
 /// Its last part: where it lies says nothing to a reader.

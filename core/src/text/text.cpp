@@ -142,6 +142,23 @@ std::string lower_case(std::string text) {
   return text;
 }
 
+std::string wrapped(std::string text, std::size_t width) {
+  std::size_t begin = 0, blank = std::string::npos;
+  for (std::size_t k = 0; k < text.size(); ++k) {
+    if (text[k] == '\n') {
+      begin = k + 1;
+      blank = std::string::npos;
+    } else if (text[k] == ' ') {
+      blank = k;
+    }
+    if (k - begin < width || blank == std::string::npos) continue;
+    text[blank] = '\n';
+    begin = blank + 1;
+    blank = std::string::npos;
+  }
+  return text;
+}
+
 std::string shell_word(std::string_view text) {
   constexpr std::string_view kPlain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_=,./:+@%-";
   if (!text.empty() && text.find_first_not_of(kPlain) == std::string_view::npos) return std::string(text);

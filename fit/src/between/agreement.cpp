@@ -18,6 +18,7 @@
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/numerics.hpp"
 #include "bouncelab/core/parallel.hpp"
+#include "bouncelab/fit/restitution.hpp"
 #include "law/law_model.hpp"
 #include "numerics/numerics.hpp"
 
@@ -157,7 +158,8 @@ UnitSamples units_of(const std::vector<RestitutionSamples>& recordings, const st
   return unit_samples(groups, pooled, config.orders, false);
 }
 
-RecordingFit row_of(const RestitutionSamples& samples, LawFitConfig config, const LawFit& pooled, bool is_one_of_many) {
+RecordingFit row_of(const RestitutionSamples& samples, LawFitConfig config, const LawFit& pooled,
+                    const HistogramConfig& windows, bool is_one_of_many) {
   RecordingFit row;
   row.recording = samples.front().recording;
   std::set<std::int64_t> drops;
@@ -180,6 +182,7 @@ RecordingFit row_of(const RestitutionSamples& samples, LawFitConfig config, cons
     if (config.n_scatter_terms == 0 && samples.size() >= kWidthKnown) config.n_scatter_terms = 2;
   }
   row.law = fit_law(samples, config);
+  if (!is_one_of_many) row.histograms = fit_histograms(*PartOfSamples(samples, row.law.outliers), windows, row.law);
   return row;
 }
 
@@ -189,14 +192,15 @@ bool disagree(const Recordings& recordings) { return recordings.test && recordin
 
 const char* to_string(WithinUnit unit) { return unit == WithinUnit::drops ? "drops" : "samples"; }
 
-Recordings compare_recordings(const RestitutionSamples& samples, const LawFitConfig& config, const LawFit& pooled) {
+Recordings compare_recordings(const RestitutionSamples& samples, const LawFitConfig& config, const LawFit& pooled,
+                              const HistogramConfig& windows) {
   const std::vector<RestitutionSamples> recordings = by_recording(samples);
   if (recordings.size() < 2) return {};
   Recordings result;
   result.rows.resize(recordings.size());
   with_threads(0, [&] {
     parallel_for(recordings.size(), 0, [&](std::size_t k) {
-      result.rows[k] = row_of(recordings[k], config, pooled, recordings.size() > kManyRecordings);
+      result.rows[k] = row_of(recordings[k], config, pooled, windows, recordings.size() > kManyRecordings);
     });
     if (!pooled.law || !pooled.scatter) return;
     if (const auto found = agreement(units_of(recordings, result.rows, config, pooled))) {
@@ -207,6 +211,39 @@ Recordings compare_recordings(const RestitutionSamples& samples, const LawFitCon
     }
   });
   return result;
+}
+
+Table slope_table(const std::vector<HistogramFit>& all, const Recordings& recordings) {
+  Table table;
+  const auto add = [&](const std::string& name, const auto& of) {  // of a recording and a window of it
+    std::vector<std::decay_t<decltype(of(name, all.front()))>> cells;
+    const auto take = [&](const std::string& recording, const std::vector<HistogramFit>& windows) {
+      for (const HistogramFit& window : windows)
+        if (window.peak_eps) cells.push_back(of(recording, window));
+    };
+    take("", all);
+    for (const RecordingFit& row : recordings.rows) take(row.recording, row.histograms);
+    table.columns.push_back({name, std::move(cells)});
+  };
+  using H = HistogramFit;
+  add("recording", [](const std::string& recording, const H&) { return recording; });
+  for (const auto& [name, speed] :
+       {std::pair{"v_mps", &H::v_mps}, {"v_lo_mps", &H::v_lo_mps}, {"v_hi_mps", &H::v_hi_mps}})
+    add(name, [speed = speed](const std::string&, const H& window) { return window.*speed; });
+  add("n", [](const std::string&, const H& window) { return static_cast<std::int64_t>(window.n); });
+  for (const auto& [quantity, member] : {std::pair{std::string("peak_eps"), &H::peak_eps},
+                                         {"slope_rising", &H::slope_rising},
+                                         {"slope_falling", &H::slope_falling},
+                                         {"slope_ratio", &H::slope_ratio}}) {
+    const auto add_part = [&, member = member](const std::string& name, double (*part)(const Estimate&)) {
+      add(name, [&](const std::string&, const H& window) { return part(*(window.*member)); });
+    };
+    add_part(quantity, [](const Estimate& e) { return e.value; });
+    add_part("sigma_" + quantity, [](const Estimate& e) { return *e.se; });
+    add_part(quantity + "_lo95", [](const Estimate& e) { return e.ci95->lo; });
+    add_part(quantity + "_hi95", [](const Estimate& e) { return e.ci95->hi; });
+  }
+  return table;
 }
 
 namespace {

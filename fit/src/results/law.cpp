@@ -151,6 +151,16 @@ Description members_of(const RecordingFit*) {
           "nodes",
           "ε of its law, the peak: at the nodes that lie within this recording's speeds, else at its median "
           "speed"),
+      computed(
+          "slopes",
+          [](const R& r) {
+            Values slopes;
+            for (const HistogramFit& h : r.histograms)
+              if (h.peak_eps) slopes.emplace_back(object_of(slopes_of(&h), &h));
+            return slopes;
+          },
+          "Window by window, from `v_lo_mps` to `slope_ratio` as `histograms`: p(ε) of its samples in the windows of "
+          "speed that have enough, as `histograms`; empty of more than 100 recordings"),
       estimates_by_name<&R::law, &LawFit::parameters>()};
   return all;
 }
@@ -297,6 +307,11 @@ Description members_of(const FitResult*) {
       member<&F::recordings, &Recordings::test>(
           "recordings_test",
           "The test whether recordings agree, see [several recordings](#several-recordings); not there of one")
+          .left_out_where_unknown(),
+      computed(
+          "recordings_are",
+          [](const F& f) { return f.recordings.are_plates ? std::optional<std::string>("plates") : std::nullopt; },
+          "`plates` with `--groups`: what is called a recording is then all recordings of a plate; else not there")
           .left_out_where_unknown(),
       member<&F::recordings, &Recordings::rows>("recordings",
                                                 "`[...]`: a row for each recording, empty where there is one"),

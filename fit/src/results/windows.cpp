@@ -63,6 +63,8 @@ Description members_of(const HistogramFit*) {
   return all;
 }
 
+Description slopes_of(const HistogramFit* h) { return members_of(h).subspan(1, 9); }
+
 Description members_of(const Bins*) {
   static constexpr Member all[]{member<&Bins::eps_edges>("eps_edges", "Edges of the bins"),
                                 member<&Bins::counts>("counts", "Samples in each"),

@@ -60,8 +60,9 @@ void write_files(const loop::Analysis& found, const report::FitInWords& words, c
 struct Read {
   loop::Analysis found;
   std::vector<fs::path> inputs;  ///< that could be read
-  Outcome outcome;               ///< text, notes, what went wrong
-  bool is_answered = true;       ///< there is something to write
+  std::vector<std::string> taken_for;
+  Outcome outcome;          ///< text, notes, what went wrong
+  bool is_answered = true;  ///< there is something to write
 };
 
 Read read_sound(const std::vector<fs::path>& files, const loop::AnalyzeConfig& config, std::vector<Note> notes,
@@ -70,7 +71,6 @@ Read read_sound(const std::vector<fs::path>& files, const loop::AnalyzeConfig& c
   while_summing(files, config.n_threads, [&] { read.found = loop::analyze(files, config, stage_progress(run)); });
   read.outcome = detection_outcome(read.found.recordings, std::move(notes));
   read.is_answered = first_found(read.found.recordings) != nullptr;
-  if (read.is_answered) read.outcome.text.clear();
   read.inputs = readable_of(read.found.recordings);
   return read;
 }
@@ -80,7 +80,7 @@ Read read_sound(const std::vector<fs::path>& files, const loop::AnalyzeConfig& c
 Read read_tables(const std::vector<fs::path>& files, const loop::AnalyzeConfig& config,
                  const ForeignFileOptions& foreign, std::vector<Note> notes, const Run& run) {
   Read read;
-  std::vector<std::string> taken_for;
+  std::vector<std::string>& taken_for = read.taken_for;
   if (std::all_of(files.begin(), files.end(), [&](const auto& file) { return holds_speeds(file, foreign.table); })) {
     RestitutionSamples samples =
         read_sample_files(files, run.common.n_threads, foreign.table.columns, taken_for, notes);
@@ -102,11 +102,11 @@ Read read_tables(const std::vector<fs::path>& files, const loop::AnalyzeConfig& 
     read.inputs = with_onsets_beside(files);
     read.is_answered = !read.found.restitution.samples.empty();
     if (!read.is_answered) {
+      read.outcome.text = lines_of(taken_for);
       read.outcome.exit_code = kNotUsable;
       read.outcome.error = input_name(files.front()) + ": no three successive impacts: no coefficient of restitution";
     }
   }
-  read.outcome.text = lines_of(taken_for);
   read.outcome.notes = std::move(notes);
   return read;
 }
@@ -134,8 +134,8 @@ Outcome write_analysis(const Read& read, const loop::AnalyzeConfig& config, cons
   outcome.result.emplace_back("notes", report::values_of(notes));
   write_json(run, folder / "summary.json", outcome.result, 2, {folder / "fit.json"});
   // the answer, one doubt, where the report is: all notes stand there and in summary.json
-  outcome.text =
-      answer_text(words, read.outcome.text) + run_report({folder, folder / "report.html", title_of(files)}, run).text;
+  outcome.text = answer_text(found.fit, words, read.taken_for, "",
+                             run_report({folder, folder / "report.html", title_of(files)}, run).text);
   const bool is_withheld = !notes.empty() && report::severity_of(notes.front().kind) == Severity::no_answer;
   outcome.exit_code = std::max({read.outcome.exit_code, fitted.exit_code, is_withheld ? kNotUsable : 0});
   // recordings that were left out are named also where the fit of the others fails

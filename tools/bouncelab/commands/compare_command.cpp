@@ -9,7 +9,6 @@
 
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/files.hpp"
-#include "bouncelab/core/foreign_table.hpp"
 #include "bouncelab/core/parallel.hpp"
 #include "bouncelab/core/text.hpp"
 #include "bouncelab/detection/detect.hpp"
@@ -28,31 +27,6 @@ namespace bouncelab::cli {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// Plates and dates by recording.
-loop::Origins read_groups(const fs::path& path) {
-  const std::string name = input_name(path);
-  const Table table = read_table(
-      path, {{"recording", ColumnType::text}, {"plate", ColumnType::text, false}, {"date", ColumnType::text, false}});
-  const auto *recordings = table.texts("recording"), *plates = table.texts("plate"), *dates = table.texts("date");
-  if (plates == nullptr && dates == nullptr)
-    throw FileError(name, "there is neither a column plate nor a column date; add one, or leave --groups out");
-  loop::Origins origins{{}, printable(path.filename().string())};
-  for (std::size_t k = 0; k < recordings->size(); ++k) {
-    fit::RecordingOrigin origin;
-    if (plates != nullptr) origin.plate = std::string(cells_of((*plates)[k], '\n').front());  // without blanks around
-    if (dates != nullptr && !(*dates)[k].empty()) {
-      origin.date = fit::date_from_iso((*dates)[k]);
-      if (!origin.date)
-        throw FileError(name, table.place_of(k) + ", column date: '" + printable((*dates)[k]) +
-                                  "' is no date from 1990 to 2100; write 2026-11-23 or 2026-11-23T14:05");
-    }
-    if (!origins.by_recording.emplace((*recordings)[k], origin).second)
-      throw FileError(name, table.place_of(k) + ", column recording: '" + printable((*recordings)[k]) +
-                                "' stands there twice; keep one of its rows");
-  }
-  return origins;
-}
 
 /// Impacts of recordings -> their samples.
 Outcome read_sounds(const std::vector<fs::path>& files, const CompareOptions& options, const Run& run,

@@ -211,11 +211,20 @@ Command fit_command() {
           .looks_like("v=COLUMN,eps=COLUMN"),
       member<&O::table>("table", "Also eps(v) as a table v_mps, eps, lo95, hi95").writes("FILE"),
       member<&O::histograms>("histograms", "Also p(eps) in windows of speed: bins, counts, density with its error, fit")
-          .writes("FILE")};
+          .writes("FILE"),
+      member<&O::slopes>("slopes",
+                         "Also the slopes of p(eps): a row for each window of speed, of all and of each "
+                         "recording or plate, with errors")
+          .writes("FILE"),
+      member<&O::groups>("groups",
+                         "Table of columns recording, plate: the recordings of a plate are fitted together, and each "
+                         "plate has its own constants, slopes and row")
+          .looks_like("FILE")};
   return command_of<O>(
       {"fit", kStages, "eps(v), the constants of its law and the histograms p(eps) from coefficients of restitution",
        "Example: bouncelab fit samples.csv --out fit.json\n"
-       "         bouncelab fit ball_a.csv ball_b.csv --out fit.json"},
+       "         bouncelab fit ball_a.csv ball_b.csv --out fit.json\n"
+       "         bouncelab fit samples.csv --groups plates.csv --slopes slopes.csv --out fit.json"},
       files, run_fit);
 }
 
@@ -259,13 +268,15 @@ Command compare_command() {
 Command report_command() {
   using O = ReportOptions;
   static constexpr Member files[]{
-      member<&O::folder>("folder", "Folder that `loop`, `analyze` or `fit` wrote to").required().positional(),
+      member<&O::folder>("folder", "Folder that `loop`, `analyze`, `fit`, `compare` or `validate` wrote to")
+          .required()
+          .positional(),
       member<&O::out>("out", "HTML file to write; default FOLDER/report.html").writes("FILE"),
       member<&O::title>("title", "Title of the page"),
       member<&O::figures>(
           "figures",
-          "Each figure as SVG and PDF into this folder, in place of the page unless --out names one; needs Chromium, "
-          "Chrome or Edge")
+          "Each figure as SVG and PDF, what it shows as CSV, into this folder, in place of the page unless --out names "
+          "one; needs Chromium, Chrome or Edge")
           .writes("FOLDER")};
   return command_of<O>({"report", kStages, "fit.json and what lies beside it -> one HTML file with pictures",
                         "Example: bouncelab report out/loop --out report.html\n"

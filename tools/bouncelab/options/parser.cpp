@@ -15,24 +15,6 @@ namespace {
 constexpr std::size_t kNames_characters = 30, kLine_characters = 100;  // of a line of --help
 constexpr int kMostValues = 1 << 29;                                   // of an option that is repeated
 
-/// The text with line breaks before words that end beyond `width`; its own line breaks stay.
-std::string wrapped(std::string text, std::size_t width) {
-  std::size_t begin = 0, blank = std::string::npos;
-  for (std::size_t k = 0; k < text.size(); ++k) {
-    if (text[k] == '\n') {
-      begin = k + 1;
-      blank = std::string::npos;
-    } else if (text[k] == ' ') {
-      blank = k;
-    }
-    if (k - begin < width || blank == std::string::npos) continue;
-    text[blank] = '\n';
-    begin = blank + 1;
-    blank = std::string::npos;
-  }
-  return text;
-}
-
 std::string in_second_column(const std::string& text) { return wrapped(text, kLine_characters - kNames_characters); }
 
 std::string in_whole_width(const std::string& text) { return wrapped(text, kLine_characters); }

@@ -323,6 +323,15 @@ class Fit:
         return {name: _estimate(constants[name]) for name in constants["parameters"]}
 
     @property
+    def slopes(self) -> List[Dict[str, Any]]:
+        """The two exponentials of p(eps), a dict for each window of speed as in ``results["histograms"]``: of all samples,
+        where they have one answer, then of each recording or plate (``recording``)."""
+        of_all = [("", self.results["histograms"])] if self.results["is_one_ball"] else []
+        rows = of_all + [(row["recording"], row["slopes"]) for row in self.results["recordings"]]
+        names = ("v_mps", "n", "peak_eps", "slope_rising", "slope_falling", "slope_ratio")
+        return [dict({name: window[name] for name in names}, recording=recording) for recording, windows in rows for window in windows]
+
+    @property
     def nodes(self) -> Dict[float, Estimate]:
         """eps(v), the root mean square over bounces, by the speeds [m/s] at which it is reported; empty without a curve.
         The mean and the peak are in ``results["curve"]``."""

@@ -114,10 +114,11 @@ def restitution(onsets: Any, heights: Any, unit: str, keywords: Dict[str, Any]) 
     return Samples(found["columns"], summary=json.loads(found["summary"]), onsets=onsets)
 
 
-def fit(samples: Any, keywords: Dict[str, Any], progress: Any) -> Fit:
+def fit(samples: Any, groups: Any, keywords: Dict[str, Any], progress: Any) -> Fit:
     samples = Samples.of(samples)
+    plates = "" if groups is None else os.fspath(groups)
     with shown(progress) as callback:
-        fitted = Fit(_core.fit(samples.to_dict(), _arguments(keywords), callback), samples=samples)
+        fitted = Fit(_core.fit(samples.to_dict(), plates, _arguments(keywords), callback), samples=samples)
     _warn(fitted.warnings)
     return fitted
 

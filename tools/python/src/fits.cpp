@@ -11,22 +11,29 @@
 #include "bouncelab/report/answer.hpp"
 #include "bouncelab/report/notes.hpp"
 #include "bouncelab/report/page.hpp"
+#include "stages/files/sample_files.hpp"
 #include "stages/files/table_file.hpp"
 #include "stages/run.hpp"
 
 namespace bouncelab::python {
 namespace {
 
-/// @return fit.json
-std::string fit(const py::dict& columns, const Arguments& arguments, const py::object& progress) {
+/// @param groups  table of plates; empty: none. @return fit.json
+std::string fit(const py::dict& columns, const std::string& groups, const Arguments& arguments,
+                const py::object& progress) {
   auto [options, run] = parse<stages::FitOptions>(arguments);
   RestitutionSamples samples = samples_of(columns);
   name_ball(samples, stages::ball_of(options.world), stages::plate_of(options.world));
   std::string json;
   python::run(run, progress, [&, &options = options, &run = run] {
-    const fit::FitConfig config = stages::fit_config(options, run.common);
+    fit::FitConfig config = stages::fit_config(options, run.common);
+    config.recordings_are_plates = !groups.empty();
+    std::vector<Note> notes;
+    if (config.recordings_are_plates) stages::join_plates(samples, groups, notes);
     const fit::FitResult result = fit::fit_all(samples, config, stages::progress_line(run, "fit", "fits"));
     report::FitInWords words = report::in_words(result, samples, config.memory);
+    words.notes = stages::joined(notes, words.notes);
+    report::order(words.notes);
     stages::leave_out_given(run.given, words.taken);
     json = json_text(report::object_of(result, words), 1) + "\n";
   });

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "stages/files/sample_files.hpp"
 
+#include <algorithm>
 #include <limits>
 #include <map>
 #include <system_error>
@@ -166,6 +167,49 @@ void for_each_recording(const std::vector<fs::path>& files, int n_threads, std::
     for (std::string& what : taken_for) notes.push_back({NoteKind::of_file, {}, std::move(what)});
     names.end(notes);
   }
+}
+
+loop::Origins read_groups(const fs::path& path) {
+  const std::string name = input_name(path);
+  const Table table = read_table(
+      path, {{"recording", ColumnType::text}, {"plate", ColumnType::text, false}, {"date", ColumnType::text, false}});
+  const auto *recordings = table.texts("recording"), *plates = table.texts("plate"), *dates = table.texts("date");
+  if (plates == nullptr && dates == nullptr)
+    throw FileError(name, "there is neither a column plate nor a column date; add one, or leave --groups out");
+  loop::Origins origins{{}, printable(path.filename().string())};
+  for (std::size_t k = 0; k < recordings->size(); ++k) {
+    fit::RecordingOrigin origin;
+    if (plates != nullptr) origin.plate = std::string(cells_of((*plates)[k], '\n').front());  // without blanks around
+    if (dates != nullptr && !(*dates)[k].empty()) {
+      origin.date = fit::date_from_iso((*dates)[k]);
+      if (!origin.date)
+        throw FileError(name, table.place_of(k) + ", column date: '" + printable((*dates)[k]) +
+                                  "' is no date from 1990 to 2100; write 2026-11-23 or 2026-11-23T14:05");
+    }
+    if (!origins.by_recording.emplace((*recordings)[k], origin).second)
+      throw FileError(name, table.place_of(k) + ", column recording: '" + printable((*recordings)[k]) +
+                                "' stands there twice; keep one of its rows");
+  }
+  return origins;
+}
+
+void join_plates(RestitutionSamples& samples, const fs::path& groups, std::vector<Note>& notes) {
+  const loop::Origins origins = read_groups(groups);
+  if (std::all_of(origins.by_recording.begin(), origins.by_recording.end(),
+                  [](const auto& row) { return row.second.plate.empty(); }))
+    throw FileError(input_name(groups), "names no plate; fill its column plate, or leave --groups out");
+  std::map<std::pair<std::string, std::int64_t>, std::int64_t> numbers;
+  std::map<std::string, std::string> plate_of;
+  for (RestitutionSample& s : samples) {
+    s.drop = numbers.try_emplace({s.recording, s.drop}, std::ssize(numbers)).first->second;
+    plate_of.try_emplace(s.recording);
+  }
+  std::vector<std::string> names;
+  for (const auto& [name, plate] : plate_of) names.push_back(name);
+  const std::vector<fit::RecordingOrigin> of_names = loop::origins_of(names, origins, notes);
+  for (std::size_t k = 0; k < names.size(); ++k)
+    plate_of[names[k]] = of_names[k].plate.empty() ? names[k] : of_names[k].plate;
+  for (RestitutionSample& s : samples) s.recording = plate_of[s.recording];
 }
 
 }  // namespace bouncelab::stages

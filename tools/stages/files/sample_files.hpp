@@ -11,6 +11,7 @@
 
 #include "bouncelab/core/note.hpp"
 #include "bouncelab/core/samples.hpp"
+#include "bouncelab/loop/comparison.hpp"
 
 namespace bouncelab::stages {
 
@@ -56,5 +57,12 @@ RestitutionSamples read_sample_files(const std::vector<std::filesystem::path>& f
 /// @throws FileError; naming the recording whose rows are not together
 void for_each_recording(const std::vector<std::filesystem::path>& files, int n_threads, std::vector<Note>& notes,
                         const std::function<void(RestitutionSamples&&)>& take);
+
+/// A table of columns recording and plate or date. @throws FileError
+loop::Origins read_groups(const std::filesystem::path& path);
+
+/// The samples of all recordings of a plate become those of one recording, named after it, each of their drops one of
+/// its own; a recording without a plate stays. @throws FileError where the table has no plates
+void join_plates(RestitutionSamples& samples, const std::filesystem::path& groups, std::vector<Note>& notes);
 
 }  // namespace bouncelab::stages

@@ -31,6 +31,9 @@ std::string printable(std::string_view text, std::size_t limit = kQuoted_charact
 /// A text as one word of a POSIX shell: as it is, or within '...'.
 std::string shell_word(std::string_view text);
 
+/// The text with line breaks before words that end beyond `width` bytes of a line; its own line breaks stay.
+std::string wrapped(std::string text, std::size_t width);
+
 /// The number of bytes (1 to 4) of the valid UTF-8 character that `text` begins with; 0 where there is none.
 std::size_t utf8_character(std::string_view text);
 /// The number of a valid UTF-8 character.

@@ -61,6 +61,8 @@ struct HistogramFit {
   std::optional<NormalFit> normal;  ///< for comparison; absent where one of the fits failed
 };
 Description members_of(const HistogramFit*);
+/// Those of them that say what was found: window, samples, drops, peak and slopes.
+Description slopes_of(const HistogramFit*);
 
 /// Is p(eps) lopsided for sure: does the 95 % interval of the slopes' ratio leave 1 out? Absent where there is none.
 std::optional<bool> slopes_differ(const HistogramFit& histogram);

@@ -8,7 +8,9 @@
 
 #include "bouncelab/core/description.hpp"
 #include "bouncelab/core/samples.hpp"
+#include "bouncelab/core/table.hpp"
 #include "bouncelab/fit/estimate.hpp"
+#include "bouncelab/fit/histogram_fit.hpp"
 #include "bouncelab/fit/law_fit.hpp"
 
 namespace bouncelab::fit {
@@ -46,12 +48,14 @@ struct RecordingFit {
   double v_lo_mps = 0.0, v_hi_mps = 0.0;  ///< of its samples
   LawFit law;                             ///< nodes: the pooled fit's where its speeds reach; else its median speed
   std::optional<Estimate> offset;         ///< of its eps from the curve of all, mean over all samples 0; by the test
+  std::vector<HistogramFit> histograms;   ///< of its samples about its law; none of more than 100 recordings
 };
 Description members_of(const RecordingFit*);
 
 struct Recordings {
   std::optional<RecordingsTest> test;  ///< absent where fewer than two recordings can be compared
   std::vector<RecordingFit> rows;      ///< in order of appearance; empty where there is one recording
+  bool are_plates = false;             ///< what is called a recording is all recordings of a plate
 };
 
 /// The rows and the test. Of more than 100 recordings the rows' intervals are by covariance and, from 30 samples on,
@@ -59,7 +63,13 @@ struct Recordings {
 /// @param samples  finite, v > 0: those of the pooled fit with its outliers, which may be all of one recording
 /// @param config   of the pooled fit; its replicates and comparisons are not made again
 /// @param pooled   that fit: nodes, form of the scatter
-Recordings compare_recordings(const RestitutionSamples& samples, const LawFitConfig& config, const LawFit& pooled);
+/// @param windows  of the rows' histograms
+Recordings compare_recordings(const RestitutionSamples& samples, const LawFitConfig& config, const LawFit& pooled,
+                              const HistogramConfig& windows = {});
+
+/// Slopes and peak of p(eps): a row for each fitted window of all samples, then of each recording.
+/// @param all  windows of all; empty where they are of no one ball
+Table slope_table(const std::vector<HistogramFit>& all, const Recordings& recordings);
 
 inline constexpr double kDoubt = 0.01;  ///< p below: they do not follow one curve
 bool disagree(const Recordings& recordings);

@@ -116,6 +116,9 @@ std::vector<Taken> taken_of(const detection::RecordingDetection& recording);
 /// "Taken: ball not known, gravity 9.80665 m/s^2."; empty where nothing was.
 std::string in_words(const std::vector<Taken>& taken);
 
+/// "Constants of the law: A2 = 0.0470 ± 0.0010, ...": of one ball, or why there are none.
+std::string constants_in_words(const fit::FitResult& result);
+
 /// What a user should know of a fit and of its samples, ordered.
 std::vector<Note> notes_of(const fit::FitResult& result, const RestitutionSamples& samples, fit::UseMemory memory);
 /// Of a measured roughness. @param samples  all that it was measured from
