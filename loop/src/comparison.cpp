@@ -34,20 +34,15 @@ void note_some(NoteKind kind, const Names& names, std::size_t n_all, const std::
        formatted("%zu of the %zu recordings (", names.size(), n_all) + some + ") " + (names.size() == 1 ? one : more)});
 }
 
-RestitutionSamples usable(const RestitutionSamples& samples) {
-  fit::LeftOut left_out;
-  return *fit::usable_samples(samples, left_out);
-}
-
 /// Plates where there are two to four, else two to four recordings; otherwise none.
-/// @param kept  samples of the recordings, in their order
+/// @param kept  usable samples of the recordings, in their order
 Groups groups_of(const ComparedRecordings& compared, const std::vector<RestitutionSamples>& kept) {
   std::map<std::string, RestitutionSamples> plates;
   Groups alone;
   for (std::size_t k = 0; k < kept.size(); ++k) {
     if (compared.between.rows[k].is_outlier) continue;
     const fit::CampaignRecording& recording = compared.recordings[k];
-    alone.emplace_back(recording.summary.recording, usable(kept[k]));
+    alone.emplace_back(recording.summary.recording, kept[k]);
     if (const std::string& plate = recording.origin.plate; !plate.empty())
       plates[plate].insert(plates[plate].end(), alone.back().second.begin(), alone.back().second.end());
   }
@@ -101,7 +96,10 @@ void Comparison::add(RestitutionSamples&& samples) {
       of_other_conditions_.push_back(recording);
   }
   n_waiting_ += samples.size();
-  if (kept_.size() < kMostKept) kept_.push_back(samples);
+  if (kept_.size() < kMostKept) {
+    fit::LeftOut left_out;
+    kept_.push_back(*fit::usable_samples(samples, left_out));
+  }
   waiting_.push_back(std::move(samples));
   if (n_waiting_ > kMost_samples) reduce();
 }
@@ -132,10 +130,7 @@ ComparedRecordings Comparison::finish(const Origins& origins) {
   }
   all.between = fit::compare_campaign(all.recordings);
   all.between.notes.insert(all.between.notes.end(), notes.begin(), notes.end());
-  for (const RestitutionSamples& samples : kept_) {
-    const RestitutionSamples part = usable(samples);
-    all.kept.insert(all.kept.end(), part.begin(), part.end());
-  }
+  for (const RestitutionSamples& samples : kept_) all.kept.insert(all.kept.end(), samples.begin(), samples.end());
   if (kept_.size() == all.recordings.size())
     if (const Groups groups = groups_of(all, kept_); !groups.empty()) all.differences = fit::compare_groups(groups);
   all.between.groups = fit::differing_groups(all.between, all.differences);

@@ -33,15 +33,16 @@ function drawCampaign(parent, c, points) {
   const traces = [];
   const levels = groups.length ? groups.map((g, k) => ({name: g.name, color: groupColour(k), eps: g.eps.value, next: g.prediction95})) :
                                  [{name: 'recordings', color: blue, eps: c.eps && c.eps.value, next: c.prediction95}];
-  for (const {name, color, eps, next} of levels) {
+  levels.forEach(({name, color, eps, next}, k) => {
+    const once = {showlegend: k === 0};  // the bands and lines of the others are like those of the first
     const fill = share => color.replace(/^#(..)(..)(..)$/, (_, ...parts) => `rgba(${parts.slice(0, 3).map(p => parseInt(p, 16)).join(',')},${share})`);
     const isOfIt = k => points.plate[k] ? points.plate[k] === name : points.recording[k] === name || points.recording[k].endsWith('/' + name);
     const of = groups.length ? inside.filter(isOfIt) : inside;
-    if (places.length && next) traces.push(along(next[0], next[1], fill(.08), groups.length ? `${name}: 95 % of recordings` : '95 % of recordings'));
+    if (places.length && next) traces.push({...along(next[0], next[1], fill(.08), groups.length ? `${name}: 95 % of recordings` : '95 % of recordings'), ...once});
     if (places.length && tau > 0 && c.eps) traces.push(along(eps - tau, eps + tau, fill(.18), 'pooled ε ± τ'));
     traces.push(trace(of, name, {size: many ? 3.5 : 6.5, color, opacity: many ? 0.6 : 1}, !many));
-    if (c.drift && eps !== null) traces.push({x: [begin, end].map(at), y: [eps + line(begin), eps + line(end)], type: 'scatter', mode: 'lines', name: groups.length ? `${name}: straight line` : 'straight line', line: {color: groups.length ? color : red, width: 2}, hoverinfo: 'skip'});
-  }
+    if (c.drift && eps !== null) traces.push({x: [begin, end].map(at), y: [eps + line(begin), eps + line(end)], type: 'scatter', mode: 'lines', name: groups.length ? `${name}: straight line` : 'straight line', line: {color: groups.length ? color : red, width: 2}, hoverinfo: 'skip', ...once});
+  });
   if (outside.length) traces.push(trace(outside, 'outliers', {size: 10, color: orange, symbol: 'diamond', line: {color: ink, width: 1}}, true));
   draw(parent, '', traces, {showlegend: true, xaxis: time, yaxis: axis(`coefficient of restitution<br>ε at ${speed(c.v_mps)}`)});
 }

@@ -70,7 +70,7 @@ TEST_F(Figures, OfComparisonsAndDetectorsHaveALegendAxesInWordsAndTheirData) {
   const std::string groups = content("cf/groups.csv");
   EXPECT_THAT(groups, testing::HasSubstr("coefficient of restitution ε at 0."));
   EXPECT_THAT(groups, testing::HasSubstr(",ε with its 95 % interval,glass,0.90"));
-  EXPECT_THAT(content("cf/campaign.svg"), testing::HasSubstr("wood: 95 % of recordings"));
+  EXPECT_THAT(content("cf/campaign.svg"), testing::HasSubstr("glass: 95 % of recordings"));
   EXPECT_THAT(content("cf/campaign.svg"), testing::HasSubstr("coefficient of restitution"));
   write("v.toml", "snr-db = [20, 10, 30, 40]\n");
   ASSERT_EQ(run("validate --config v.toml --detector builtin --drops 1 --impacts 12 --asperities 99 --out v").exit_code,

@@ -156,6 +156,16 @@ TEST_F(FitCommand, PrintsTwelveLinesOfAHundredCharactersAtMostAndMakesItsFolder)
   expect_one_line_error(run("fit s.csv --out s.csv/f.json"), 3, {"s.csv/f.json", "no folder", "choose another"});
 }
 
+TEST_F(FitCommand, ShowsItsProgressOnATerminalWhileAStepIsLong) {
+  if (shell("command -v script").exit_code != 0) GTEST_SKIP() << "no script, which runs a program on a terminal";
+  write("s.csv", table(3000, 0.2, 1.4));
+  const Result shown = shell("script -qec \"$B fit s.csv --out f.json --method asymmetric-laplace\" /dev/null");
+  EXPECT_THAT(shown.out, testing::HasSubstr("\r\033[Kfit: "));
+  EXPECT_THAT(shown.out, testing::HasSubstr("of 4 fits, 0:0"));
+  EXPECT_THAT(run("fit s.csv --out f.json --force --goodness-replicates 0 --method asymmetric-laplace").err,
+              testing::Not(testing::HasSubstr("fits")));
+}
+
 TEST_F(FitCommand, OfPlatesHasConstantsAndSlopesOfEach) {
   std::string samples = "recording,drop,impact,v_mps,eps,sigma_eps\n";
   for (int k = 0; k < 4; ++k) {

@@ -163,13 +163,9 @@ GroupDifferences compare_groups(const std::vector<Group>& groups) {
     for (const RestitutionSample& s : samples) recordings.insert(s.recording);
     if (recordings.size() > 1) result.unit = GroupUnit::recordings;
   }
-  for (const auto& [name, samples] : groups)
-    if (samples.empty()) {
-      result.why = why_not(groups, {});
-      return result;
-    }
-  const std::pair<double, double> shared = shared_speeds(groups);
+  std::pair<double, double> shared{0.0, HUGE_VAL};
   result.why = why_not(groups, shared);
+  if (!result.why) result.why = why_not(groups, shared = shared_speeds(groups));
   if (result.why) return result;
   const LawFitConfig config = config_of(groups, shared);
   std::vector<RestitutionSamples> parts;
