@@ -326,7 +326,7 @@ Command validate_command() {
       {"validate",
        kBeside,
        "Any onset detector against sound whose times are exactly known: precision, recall, jitter, bound, errors",
-       "Examples: bouncelab validate --config samples/validate.toml --detector builtin --detector 'aubioonset -i "
+       "Examples: bouncelab validate --config samples/validate.toml --detector builtin --detector aubio='aubioonset -i "
        "{wav}' --out out/validate\n"
        "          bouncelab validate --recordings folder --truth folder --detector 'python3 mine.py {wav}' --out "
        "out/mine\n"
