@@ -107,9 +107,10 @@ TEST_F(CheckFiles, TheNullDeviceTakesAllOutputsAndMayBeAnInput) {
 
 TEST_F(CheckFiles, ExistingOutputsNeedLeaveAndMissingInputsAreLeftToTheirReader) {
   EXPECT_THROW(check_files({}, in({"other.csv"}), {}, false), FileExists);
-  EXPECT_THROW(check_files({}, in({"missing/new.csv"}), {}, true), FileError);
-  EXPECT_NO_THROW(check_files(in({"missing.csv"}), in({"new.csv"}), {}, false));
-  EXPECT_FALSE(fs::exists(folder_ / "new.csv")) << "checking leaves something behind";
+  EXPECT_THROW(check_files({}, in({"other.csv/new.csv"}), {}, true), FileError);
+  EXPECT_NO_THROW(check_files(in({"missing.csv"}), in({"new.csv", "missing/new.csv"}), {}, false));
+  for (const char* name : {"new.csv", "missing"})
+    EXPECT_FALSE(fs::exists(folder_ / name)) << "checking leaves something behind";
 }
 
 class InputFileTest : public testing::Test {
@@ -183,9 +184,14 @@ TEST_F(OutputFileTest, AppearsOnlyWhenCommitted) {
   EXPECT_EQ(n_files(), 1);
 }
 
-TEST_F(OutputFileTest, AFolderOrAMissingFolderIsAnError) {
+TEST_F(OutputFileTest, AFolderIsAnErrorAndOneThatIsMissingIsMadeAndStaysIfTheFileDoes) {
   EXPECT_THROW(OutputFile(folder_, true), FileError);
-  EXPECT_THROW(OutputFile(folder_ / "missing" / "a.csv", true), FileError);
+  const fs::path folder = folder_ / "missing" / "too";
+  OutputFile(folder / "a.csv", true).write("not committed");
+  EXPECT_FALSE(fs::exists(folder));
+  write_whole(folder / "a.csv", "whole", false);
+  EXPECT_EQ(fs::file_size(folder / "a.csv"), 5u);
+  EXPECT_THROW(OutputFile(folder / "a.csv" / "b.csv", true), FileError);
 }
 
 TEST_F(OutputFileTest, ALinkIsFollowedAndStays) {
