@@ -193,12 +193,13 @@ void hand_off(FitResult& result, const SampleConditions& conditions, std::option
 
 FitResult fit_on_these_threads(const RestitutionSamples& samples, const FitConfig& config,
                                const ProgressCallback& progress) {
-  const double n_steps = config.memory == UseMemory::never ? 4.0 : 5.0;
+  const double n_steps = config.memory == UseMemory::never ? 5.0 : 6.0;
   auto step = [&, n_done = 0.0]() mutable {
     if (progress) progress(n_done, n_steps);
     n_done += 1.0;
   };
   FitResult result;
+  step();
   const Prepared prepared(samples, config);
   const RestitutionSamples& used = prepared.used();
   if (prepared.curve) result.curve = prepared.curve->curve();

@@ -144,7 +144,7 @@ Files draw_figures(const std::string& page, const fs::path& folder, const Progre
     files.emplace_back(folder / (name + ".pdf"), whole_content(pdf));
     files.emplace_back(folder / (name + ".csv"), figure.at("csv"));
     fs::remove(pdf);
-    progress(static_cast<double>(files.size() / 3), static_cast<double>(listed.size()));
+    progress(static_cast<double>(files.size()) / 3.0, static_cast<double>(listed.size()));
   }
   return files;
 }
