@@ -62,6 +62,17 @@ Alignment aligned_with(const MatchedFilter& others, const audio::Spectrum& squar
   return {0.5 * sum / (weights + unlike), weights > unlike};
 }
 
+/// Right singular vectors of the largest singular values, as columns: by the smaller of the two products of the waves,
+/// one a row.
+Eigen::MatrixXd leading_shapes(const Eigen::MatrixXd& waves, Eigen::Index n_shapes) {
+  using Solver = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>;
+  if (waves.rows() >= waves.cols()) return Solver(waves.transpose() * waves).eigenvectors().rightCols(n_shapes);
+  const Solver solver(waves * waves.transpose());
+  const Eigen::MatrixXd scale =
+      solver.eigenvalues().tail(n_shapes).cwiseMax(1e-300).cwiseSqrt().cwiseInverse().asDiagonal();
+  return waves.transpose() * solver.eigenvectors().rightCols(n_shapes) * scale;
+}
+
 /// Gauss-Newton step of each template towards the shapes that they share. In a few bins only one or two modes sound:
 /// the templates are sums of a few shapes there, with real factors. What these leave has the same variance in all of
 /// the bins.
@@ -81,8 +92,7 @@ Eigen::VectorXd moves_towards_shapes(const std::vector<audio::Spectrum>& modes, 
         const double w = omega * static_cast<double>(k);
         changes(d, 2 * j) = -w * im[k], changes(d, 2 * j + 1) = w * re[k];
       }
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(waves.transpose() * waves);
-    const Eigen::MatrixXd shapes = solver.eigenvectors().rightCols(n_shapes);
+    const Eigen::MatrixXd shapes = leading_shapes(waves, n_shapes);
     const Eigen::MatrixXd rest = waves - waves * shapes * shapes.transpose();
     changes -= changes * shapes * shapes.transpose();
     const double weight = 1.0 / (rest.squaredNorm() + 1e-12 * waves.squaredNorm() + 1e-30);

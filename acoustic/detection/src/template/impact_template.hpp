@@ -114,9 +114,9 @@ void align(TemplateEstimation& e, bool search);
 /// What the template leaves of a training impact, tapered as the template is: the impact rings on.
 std::vector<float> residual_of(TemplateEstimation& e, const TrainingImpact& impact);
 
-/// The first template: that of the strongest impact that three quarters of the others correlate with; where none is,
-/// with windows that begin at the attacks; where none is either, that which most correlate with. The very strongest may
-/// hold a knock, or be of another source altogether.
+/// The first template: that of the strongest impact that three quarters of the others correlate with; where none is, of
+/// the kTemplate.most_starts strongest that which most correlate with. The very strongest may hold a knock, or be of
+/// another source altogether.
 void find_template(TemplateEstimation& e);
 
 /// The template anew by the noise's own whitener, from the positions known: what a share of the impacts' power stood

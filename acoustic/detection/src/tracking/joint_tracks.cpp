@@ -248,12 +248,19 @@ Track part_of(const Track& track, std::size_t first, std::size_t n) {
   return {{begin, begin + static_cast<std::ptrdiff_t>(n)}, 0.0};
 }
 
+/// Whether the sounds during a track are enough for another ball beside it.
+bool may_be_beside(const Track& track) {
+  const std::size_t n_sounds = track.impacts.back().candidate - track.impacts.front().candidate + 1;
+  return n_sounds >= track.impacts.size() + kFewestAtOnce;
+}
+
 /// Balls at the same time as this one, and this one: one more as long as a search from one of several starts finds one
 /// and all are more probable with it. Where two balls' impacts cross, the last of them may have taken halves of both:
 /// so either half of it may be wrong.
-std::vector<Track> balls_with(const Observations& o, const std::vector<Track>& tracks, const Track& proposal) {
+/// @param most  log odds of this one
+std::vector<Track> balls_with(const Observations& o, const std::vector<Track>& tracks, const Track& proposal,
+                              double most) {
   std::vector<Track> balls{proposal};
-  double most = log_odds_of(o, proposal, {}).ball;
   for (bool has_more = true; has_more && balls.size() < kMostAtOnce;) {
     has_more = false;
     const std::vector<Track> before = balls;
@@ -284,8 +291,10 @@ void add_balls_at_once(const Observations& o, std::vector<Track>& tracks) {
   std::stable_sort(proposals.begin(), proposals.end(),
                    [](const Track& a, const Track& b) { return a.impacts.size() > b.impacts.size(); });
   for (const Track& proposal : proposals) {
-    if (proposal.impacts.size() < kFewestAtOnce || log_odds_of(o, proposal, {}).ball < 0.0) continue;
-    std::vector<Track> balls = balls_with(o, tracks, proposal);
+    if (proposal.impacts.size() < kFewestAtOnce || !may_be_beside(proposal)) continue;
+    const double log_odds = log_odds_of(o, proposal, {}).ball;
+    if (log_odds < 0.0) continue;
+    std::vector<Track> balls = balls_with(o, tracks, proposal, log_odds);
     if (balls.size() == 1) continue;
     std::erase_if(tracks, [&](const Track& track) { return is_any_during(o, balls, track); });
     std::move(balls.begin(), balls.end(), std::back_inserter(tracks));

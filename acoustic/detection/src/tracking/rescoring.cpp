@@ -81,8 +81,10 @@ OwnSounds own_sounds(const Observations& o, const Track& track, const std::vecto
 /// The first impact was chosen before the ball was known, and those before it may have cost odds then: now it stands
 /// for choice again, and impacts before it are looked for.
 /// @param first_free  candidates before this one belong to the track before
-void re_estimate_start(const Observations& o, std::size_t first_free, Track& track) {
+/// @return whether the track has changed
+bool re_estimate_start(const Observations& o, std::size_t first_free, Track& track) {
   const std::vector<Candidate>& c = o.candidates();
+  const std::size_t first_before = track.impacts.front().candidate, n_before = track.impacts.size();
   std::optional<std::size_t> given;
   if (track.impacts.size() > kTracking.known_after && track.impacts[1].impact == track.impacts[0].impact + 1) {
     given = track.impacts[0].candidate;
@@ -112,6 +114,7 @@ void re_estimate_start(const Observations& o, std::size_t first_free, Track& tra
   if (given) track.impacts.insert(track.impacts.begin(), {*given, track.impacts[0].impact - 1});
   const std::int64_t shift = track.impacts.front().impact;
   for (TrackImpact& impact : track.impacts) impact.impact -= shift;
+  return track.impacts.size() != n_before || track.impacts.front().candidate != first_before;
 }
 
 /// Sounds among a track's that are like its own and about as loud, but not of it: a ball leaves none, a row of knocks
@@ -215,8 +218,7 @@ std::vector<Track> rescored(const Observations& o, std::vector<Track> tracks) {
         is_free = false;
     }
     if (!is_free) continue;
-    re_estimate_start(o, first_free, track);
-    track.log_odds = log_odds_of(o, track, {}).ball_against_rhythm;
+    if (re_estimate_start(o, first_free, track)) track.log_odds = log_odds_of(o, track, {}).ball_against_rhythm;
     kept.push_back(std::move(track));
   }
   std::sort(kept.begin(), kept.end(), ends_before);
