@@ -17,11 +17,7 @@ struct DelayModel {
   double least_interval_s = 1.2e-3;  ///< impacts that follow nearer are not told apart
 
   // where the next impact is expected
-  double default_eps = 0.97;          ///< where no ratio of flights is known
-  double least_eps_reach = 0.015;     ///< of eps about the expected one
-  double most_eps_reach = 0.06;       ///< four times TrackingModel::scatter
-  std::size_t most_ratios = 9;        ///< the last ones, of which eps is the median
-  std::size_t fewest_ratios = 7;      ///< that show their scatter
+  double eps_reach = 0.06;            ///< of eps about the expected one: four times TrackingModel::scatter
   std::size_t anchors = 3;            ///< last impacts that predict one beyond the end: one may be in a wrong place
   double most_amplitude_ratio = 3.5;  ///< between neighbours; eps and the place struck explain up to two
   // beyond the end a single loss or gain may be the reason why the tracker has none: 0.73 to 1.17 of the interval
@@ -89,7 +85,7 @@ struct TimedImpact {
   double rise_s = 0.0;        ///< time of its candidate
   double rise_reach_s = 0.0;  ///< how far off that may be where nothing sounds before the impact; 0 = no candidate
   double until_s = 0.0;       ///< from here on the sound belongs to the next impact
-  std::optional<FarPlaces> not_explained{};  ///< to be searched, unless it is where its neighbours expect it
+  std::optional<FarPlaces> not_explained{};  ///< to be searched
   bool inferred = false;                     ///< no candidate: found where the track predicts it
   bool overlap = false;                      ///< its sound reaches into that of the next
   bool doubtful = false;                     ///< may have been at another place
