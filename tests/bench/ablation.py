@@ -63,7 +63,6 @@ PARTS = {
     "gaps": {"kDelay.least_in_gap": NEVER},
     "beyond the end": {"kDelay.least_of_outlier": NEVER},
     "far places": {"kDelay.much_left": NEVER},
-    "predicted places": {"kDelay.unexpected": NEVER},
     "forward-backward": {"kDelay.fewest_impacts": NEVER},
     "own template of a drop": {"kDrops.own_template": NEVER},
     "timed in the whole sound": {"kDrops.clearly_less": 0},

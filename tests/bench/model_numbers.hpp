@@ -85,7 +85,6 @@ inline const std::vector<Number>& numbers() {
       N(kDelay.least_of_outlier),
       N(kDelay.most_explained),
       N(kDelay.much_left),
-      N(kDelay.unexpected),
       N(kDelay.fewest_impacts),
       N(kDelay.far_s),
       N(kDrops.own_template),

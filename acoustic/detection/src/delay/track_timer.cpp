@@ -148,11 +148,12 @@ void extend(TimedTrack& track, double end_s) {
 
 /// All places where the impact of a candidate may be: as far before it as the longest window in which a rise is found,
 /// and as far behind as a codec's noise goes before an attack.
-/// @param near  the best fit within its reach, with all places there
-ImpactFit find_everywhere(ImpactTimer& timer, double rise_s, const ImpactFit& near, const FarPlaces& most,
-                          double until_s) {
-  const double from_s = rise_s - std::min(kDelay.late_s, most.before_s),
-               to_s = rise_s + std::min(kDelay.pre_echo_s, most.after_s);
+/// @param near                     the best fit within its reach, with all places there
+/// @param most_before_s, _after_s  of the rise
+ImpactFit find_everywhere(ImpactTimer& timer, double rise_s, const ImpactFit& near, double most_before_s,
+                          double most_after_s, double until_s) {
+  const double from_s = rise_s - std::min(kDelay.late_s, most_before_s),
+               to_s = rise_s + std::min(kDelay.pre_echo_s, most_after_s);
   const double same_s = 1.0 / timer.rate_hz();
   ImpactFit far = near;
   const double step_s = timer.step_s();
@@ -211,10 +212,7 @@ void add_candidate(TimedTrack& track, const std::vector<Candidate>& candidates, 
   const bool is_alone = std::min(c.t_s - last_s, next_s - c.t_s) > track.timer.template_s();
   if (is_alone && !is_explained(track.timer, timed.fit)) {
     const auto alone = before_another_sound(track.timer, candidates, of_track.candidate, reach_s);
-    if (alone)
-      timed.fit = *alone;
-    else
-      timed.not_explained = FarPlaces{before_s, after_s};
+    timed.fit = alone ? *alone : find_everywhere(track.timer, c.t_s, timed.fit, before_s, after_s, next_s);
   }
   timed.overlap = next_s - c.t_s < track.timer.template_s();
   track.append(timed);
@@ -289,49 +287,6 @@ void end_where_improbable(std::vector<TimedImpact>& track) {
   while (track.size() > 3 && track.back().inferred && track.back().probability < kLeast) track.pop_back();
 }
 
-/// Where the intervals around an impact expect it.
-struct ExpectedPlace {
-  double t_s = 0.0;
-  double reach_s = 0.0;  ///< what is farther off is unexpected
-  double most_s = 0.0;   ///< what is farther off is a neighbour's
-};
-
-/// Absent at the ends of a track, and where it is too short to tell.
-std::optional<ExpectedPlace> expected_place(const std::vector<TimedImpact>& track, std::size_t k,
-                                            const ExpectedLogEps& log_eps) {
-  if (k == 0 || k + 1 == track.size() || log_eps.width == 0.0) return {};
-  const double before_s = track[k - 1].fit.t_s, after_s = track[k + 1].fit.t_s;
-  if (!(before_s < track[k].fit.t_s && track[k].fit.t_s < after_s)) return {};
-  // t = t_{k-1} + D / (1 + eps) between neighbours D apart
-  const double eps = exp(log_eps.centre), both_s = after_s - before_s;
-  const double t_s = before_s + both_s / (1.0 + eps);
-  return ExpectedPlace{t_s, kDelay.unexpected * both_s * eps / square(1.0 + eps) * log_eps.width,
-                       kDelay.most_of_interval * std::min(t_s - before_s, after_s - t_s)};
-}
-
-/// Adds, to each impact that is not where the intervals around it expect it, the places that the sound has where it is
-/// expected: its candidate may be another sound, or it was searched for beside a neighbour that was in the wrong place;
-/// and, where the template does not explain it, all far places. The sound then decides between all of them.
-/// @param timer  that knows no impact
-/// @param track  in time order
-void add_predicted_places(ImpactTimer timer, std::vector<TimedImpact>& track) {
-  std::vector<double> t_s;
-  for (const TimedImpact& impact : track) t_s.push_back(impact.fit.t_s);
-  const std::vector<ExpectedLogEps> expected = expected_log_eps(track, t_s);
-  for (std::size_t k = 0; k < track.size(); ++k) {
-    TimedImpact& impact = track[k];
-    const std::optional<ExpectedPlace> place = expected_place(track, k, expected[k]);
-    const bool is_elsewhere = place && std::abs(impact.fit.t_s - place->t_s) >= place->reach_s;
-    if (impact.not_explained)
-      impact.fit = find_everywhere(timer, impact.rise_s, impact.fit, *impact.not_explained, impact.until_s);
-    if (is_elsewhere) {
-      const ImpactFit found = timer.search(place->t_s, std::min(place->reach_s, place->most_s), track[k + 1].fit.t_s);
-      impact.fit = merged(with_fewer_places(impact.fit), with_fewer_places(found), 1.0 / timer.rate_hz());
-    }
-    timer.subtract_from_later(track[k].fit);
-  }
-}
-
 }  // namespace
 
 std::vector<TimedImpact> time_track(WhiteSound& white, const ImpactTemplate& learned, const Track& tracked,
@@ -344,7 +299,6 @@ std::vector<TimedImpact> time_track(WhiteSound& white, const ImpactTemplate& lea
     add_candidate(track, candidates, impact, next_time(tracked, candidates, k));
   }
   extend(track, end_s);
-  add_predicted_places(ImpactTimer(white, learned), track.impacts);
   std::vector<TimedImpact> timed = resolve_delays(ImpactTimer(white, learned), track.impacts);
   set_probabilities_of_inferred(candidates, timed);
   end_where_improbable(timed);
