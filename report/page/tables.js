@@ -123,7 +123,7 @@ function handOff() {
   const h = fit && fit.hand_off;
   if (!h) return;
   const fold = folded('In a DEM code', {id: 'dem'});
-  fold.append(element('p', {class: 'caption'}, `Root mean square √⟨ε²⟩ = ${measured(h.eps, h.se)} at ${speed(h.v_mps)}, which keeps the energy. Mind: ${h.warning}. Each input is one impact of ${h.ball}, complete; \`bouncelab dem fit.json --code lammps\` prints it.`));
+  fold.append(element('p', {class: 'caption'}, `Root mean square √⟨ε²⟩ = ${measured(h.eps, h.se)} at ${speed(h.v_mps)}, which keeps the energy. Mind: ${[h.warning, h.missing].filter(Boolean).join('; ')}. Each input is one impact of ${h.ball}, complete; \`bouncelab dem fit.json --code lammps\` prints it.`));
   const rows = ['v_mps,eps,lo95,hi95', ...answerCurve(fit).map(p => [p.v_mps, p.eps, p.lo95, p.hi95].map(x => x === null ? '' : x).join(','))];
   fold.append(element('p', {}, element('a', {href: 'data:text/csv;charset=utf-8,' + encodeURIComponent(rows.join('\n') + '\n'), download: 'restitution_law.csv'}, 'ε(v) with its 95% band as a table (CSV)'),
       '; constants with their covariance: fit.json.'),

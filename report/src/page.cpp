@@ -131,7 +131,7 @@ RestitutionLaw law_of(const Json& constants) {
 
 }  // namespace
 
-std::optional<fit::DemExport> dem_of_fit(const std::string& fit_json) {
+std::optional<fit::DemExport> dem_of_fit(const std::string& fit_json, std::optional<double> youngs_modulus_pa) {
   try {
     const Json fit = Json::parse(fit_json);
     if (!fit.at("hand_off").is_object() || !fit.at("curve").is_object()) return std::nullopt;
@@ -141,10 +141,11 @@ std::optional<fit::DemExport> dem_of_fit(const std::string& fit_json) {
       memory->q = fit.at("roughness").at("q").get<double>();
     }
     const Json &ball = fit.at("budget").at("ball"), &plate = fit.at("budget").at("plate");
-    return fit::dem_export(
-        curve_of(fit.at("curve")), scatter_of(fit.at("scatter")), fit.at("hand_off").at("v_mps").get<double>(),
-        ball.is_string() ? std::optional(ball_from_text(ball.get<std::string>())) : std::nullopt,
-        plate.is_string() ? std::optional(plate_from_text(plate.get<std::string>())) : std::nullopt, memory);
+    return fit::dem_export(curve_of(fit.at("curve")), scatter_of(fit.at("scatter")),
+                           fit.at("hand_off").at("v_mps").get<double>(),
+                           ball.is_string() ? std::optional(ball_from_text(ball.get<std::string>())) : std::nullopt,
+                           plate.is_string() ? std::optional(plate_from_text(plate.get<std::string>())) : std::nullopt,
+                           memory, youngs_modulus_pa);
   } catch (const std::logic_error&) {  // of a number in a name that is none
   } catch (const Json::exception&) {
   }

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
+#include <tuple>
 
 #include "program.hpp"
 
@@ -42,8 +43,8 @@ class DemCommand : public ProgramTest {
     ASSERT_EQ(result.exit_code, 0) << result.err;
   }
   Json handed() const { return json("fit.json")["hand_off"]; }
-  std::string input(const std::string& code, const std::string& model) const {
-    const Result result = run("dem fit.json --code " + code + " --model " + model);
+  std::string input(const std::string& code, const std::string& model, const std::string& more = "") const {
+    const Result result = run("dem fit.json --code " + code + " --model " + model + " " + more);
     EXPECT_EQ(result.exit_code, 0) << result.err;
     return result.out;
   }
@@ -131,6 +132,31 @@ print('%.9f %.9f %.9f' % (e.mean(), (e**2).mean(), fast.mean()))
     EXPECT_NEAR(squares, eps * eps, 10 * kScatter / std::sqrt(1e5)) << command;
     EXPECT_NEAR(fast, viscoelastic(kGamma, 1.4), kScatter) << command;  // clamped at the end of the data
   }
+}
+
+TEST_F(DemCommand, SofterBallsBounceAsFitted) {
+  fit_viscoelastic_ball();
+  const double eps = handed()["eps"].number();
+  for (const auto& [code, program, command] : {std::tuple{"lammps", "lmp", "lmp -in INPUT -log none -var v SPEED"},
+                                               {"liggghts", "liggghts", "liggghts -in INPUT -log none -var v SPEED"},
+                                               {"yade", "yade", "yade -n -x INPUT SPEED"}})
+    for (const char* model : {"constant", "viscoelastic"}) {
+      const std::string text = input(code, model, "--youngs-modulus 1e7");
+      EXPECT_THAT(
+          text, testing::HasSubstr(
+                    "E = 1e+07 Pa in place of the ball's: contacts last 39.9 times as long"));  // (1.003e11/1e7)^(2/5)
+      if (std::system((std::string("command -v ") + program + " >/dev/null").c_str()) == 0)
+        EXPECT_NEAR(bounced(text, command, "0.6"), eps, 2e-3) << code << ' ' << model;
+    }
+}
+
+TEST_F(DemCommand, DoesNotGiveACodeLessThanItCanBounce) {
+  std::ofstream(folder_ / "s.csv") << "v_mps,eps\n0.5,0.08\n0.6,0.081\n0.7,0.079\n0.8,0.08\n0.9,0.08\n";
+  ASSERT_EQ(run("fit s.csv --out fit.json --quiet").exit_code, 0);
+  const Result lammps = run("dem fit.json --code lammps");
+  EXPECT_EQ(lammps.exit_code, 1);
+  EXPECT_THAT(lammps.err, testing::HasSubstr("no constant ε below 0.05 in LIGGGHTS and 0.114 in LAMMPS"));
+  EXPECT_EQ(run("dem fit.json --code liggghts").exit_code, 0);
 }
 
 TEST_F(DemCommand, SaysWhatAFitDoesNotHave) {

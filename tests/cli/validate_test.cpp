@@ -148,7 +148,9 @@ TEST_F(ValidateCommand, FindsTheTruthOfARecordingAndNothingElse) {
   const std::string command = "validate --recordings r/a.wav --truth r --detector builtin --out o --force";
   expect_one_line_error(run(command), 3, {"a.truth.csv"});
   write("r/a.txt", "");  // labels of silence
-  Json found = result_of("--recordings r/a.wav --truth r --detector builtin --out o --force");
+  Json found = result_of("--recordings r/a.wav --truth r --detector ours=builtin --out o --force");
+  EXPECT_EQ(found["detectors"][0]["detector"], "ours");
+  EXPECT_EQ(found["detectors"][0]["command"], "builtin");
   EXPECT_GT(found["detectors"][0]["all"]["invented_per_hour"].number(), 0.0);
   for (const char* beyond : {"1\n1000\n", "1\n-2\n"}) {
     write("r/a.txt", beyond);
@@ -171,6 +173,7 @@ TEST_F(ValidateCommand, RefusesWhatCannotWork) {
   write("far.toml", "snr_db = [40, 1000]\n");
   for (const auto& [arguments, word] : std::vector<std::pair<std::string, std::string>>{
            {"--out o --detector 'sh it'", "{wav}"},
+           {"--out o --detector it=builtin --detector 'it=sh it {wav}'", "another one has this name"},
            {"--out o --shell --detector 'sh {wav}'", "the shell runs all detectors"},
            {"--out o", "--detector"},
            {"--marks truth.csv", "--truth"},

@@ -92,7 +92,7 @@ TEST(DemExport, HasViscoelasticContactsWhereASphereExplainsTheCurveAndSaysSoWher
   const DemExport none = exported(fitted(testing::independent_samples(rises, 2000, 0.2, 1.4, 0.0)));
   EXPECT_FALSE(none.gamma);
   EXPECT_FALSE(find(none, "LAMMPS", "viscoelastic"));
-  EXPECT_THAT(none.warning, ::testing::HasSubstr("no viscoelastic model"));
+  EXPECT_THAT(none.missing, ::testing::HasSubstr("no viscoelastic model"));
 }
 
 TEST(DemExport, SaysWhetherAConstantIsRightAtAllSpeedsOrAtOne) {

@@ -49,3 +49,12 @@ foreach(module IN ITEMS sim detection fit)
   step(${CMAKE_COMMAND} -S ${ONE_MODULE_DIR} -B ${WORK_DIR}/${module} -G ${GENERATOR} -DMODULE=${module}
        -DCMAKE_PREFIX_PATH=${WORK_DIR}/prefix -DCMAKE_CXX_COMPILER=${CXX_COMPILER} "-DCMAKE_CXX_FLAGS=${CXX_FLAGS}")
 endforeach()
+
+# a component that does not exist is named, with those that do
+execute_process(COMMAND ${CMAKE_COMMAND} -S ${ONE_MODULE_DIR} -B ${WORK_DIR}/none -G ${GENERATOR} -DMODULE=fitt
+  -DCMAKE_PREFIX_PATH=${WORK_DIR}/prefix -DCMAKE_CXX_COMPILER=${CXX_COMPILER}
+  RESULT_VARIABLE failed OUTPUT_QUIET ERROR_VARIABLE output)
+string(REGEX REPLACE "[ \n]+" " " output "${output}")
+if(NOT failed OR NOT output MATCHES "fitt is not a component of this installation of bouncelab, which has sim, .*fit, ")
+  message(FATAL_ERROR "an unknown component was not refused by its name:\n${output}")
+endif()

@@ -122,6 +122,10 @@ class TablesIn(Case):
         for t in (array, spaced[::2], frozen, array.astype(">f8"), tuple(self.t)):
             np.testing.assert_array_equal(bl.restitution(bl.Onsets(t=t)).eps, expected)
             np.testing.assert_array_equal(bl.restitution({"t_s": t}).eps, expected)
+            np.testing.assert_array_equal(bl.restitution(t).eps, expected)
+        drops = bl.restitution([array, array + 7.0])
+        np.testing.assert_array_equal(drops["drop"], [0, 0, 0, 1, 1, 1])
+        np.testing.assert_allclose(drops.eps, np.tile(expected, 2), rtol=1e-12)  # of times 7 s later
         whole = bl.restitution(bl.Onsets(t=np.array([0, 10, 18, 25])))
         np.testing.assert_array_equal(whole.eps, bl.restitution(bl.Onsets(t=[0.0, 10.0, 18.0, 25.0])).eps)
         numbered = bl.Onsets(t=self.t, drop=np.zeros(5), impact=np.arange(5, dtype=np.uint16))

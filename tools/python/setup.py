@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """`pip install tools/python`: CMake builds the component `python` of the repository, and what it installs is the package.
 
-The build folder stays (build/pip-cp311 in the repository): the next installation compiles what changed. Further
-variables of CMake: the environment's CMAKE_ARGS.
+Where tools/run or tools/test has built (build/release) for a Python of this version, its libraries are taken and the
+module alone is compiled. Else the build folder is build/pip-cp311, and stays: the next installation compiles what
+changed. Further variables of CMake: the environment's CMAKE_ARGS.
 """
 import os
 import re
@@ -11,6 +12,7 @@ import shutil
 import subprocess
 import sys
 import sysconfig
+import tempfile
 from pathlib import Path
 
 from setuptools import Extension, setup
@@ -38,13 +40,27 @@ class CMakeBuild(build_ext):
             missing.append("Python.h of " + sys.executable + " (python3-dev)")
         if missing:
             sys.exit(f"bouncelab: missing: {', '.join(missing)}; {SETUP}")
-        build = ROOT / "build" / "pip-cp{}{}".format(*sys.version_info[:2])
-        self.call("cmake", "--preset", "release", "-B", build, "-DBOUNCELAB_COMPONENTS=python",
-                  "-DBOUNCELAB_BINDINGS=OFF", "-DBOUNCELAB_TESTS=OFF", f"-DPython3_EXECUTABLE={sys.executable}",
-                  "-DBOUNCELAB_PYTHON_DIR=.", *shlex.split(os.environ.get("CMAKE_ARGS", "")))
+        build = ROOT / "build" / "release"
+        if self.is_for_this_python(build):
+            self.call("cmake", "--preset", "release", *shlex.split(os.environ.get("CMAKE_ARGS", "")))
+        else:
+            build = ROOT / "build" / "pip-cp{}{}".format(*sys.version_info[:2])
+            self.call("cmake", "--preset", "release", "-B", build, "-DBOUNCELAB_COMPONENTS=python",
+                      "-DBOUNCELAB_BINDINGS=OFF", "-DBOUNCELAB_TESTS=OFF", f"-DPython3_EXECUTABLE={sys.executable}",
+                      *shlex.split(os.environ.get("CMAKE_ARGS", "")))
         self.call("cmake", "--build", build, "--target", "bouncelab_python_package")
-        self.call("cmake", "--install", build, "--component", "python", "--strip", "--prefix",
-                  Path(self.build_lib).resolve())
+        with tempfile.TemporaryDirectory() as prefix:
+            self.call("cmake", "--install", build, "--component", "python", "--strip", "--prefix", prefix)
+            package, = Path(prefix).rglob("bouncelab/__init__.py")
+            shutil.copytree(package.parent, Path(self.build_lib).resolve() / "bouncelab", dirs_exist_ok=True)
+
+    @staticmethod
+    def is_for_this_python(build: Path) -> bool:
+        """Whether this folder was configured with the module, for the same version of Python."""
+        cache = build / "CMakeCache.txt"
+        version = "Python;{};{};".format(*sys.version_info[:2])
+        return cache.exists() and re.search("^_Python3_INTERPRETER_PROPERTIES:INTERNAL=" + version, cache.read_text(),
+                                            re.MULTILINE) is not None
 
     @staticmethod
     def call(*command) -> None:

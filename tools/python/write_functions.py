@@ -60,7 +60,9 @@ FUNCTIONS = {
     "restitution": dict(
         what="Coefficients of restitution from impact times, ratios of neighbouring intervals, or from heights.",
         positional=[
-            ("onsets", "Onsets, mapping or path", "None", "The column ``t_s`` is enough."),
+            ("onsets", "Onsets, mapping, path, or list or array", "None",
+             "The column ``t_s`` is enough. Of a list or an array: times of the impacts of one drop [s]; of several drops "
+             "a list of its own for each."),
             ("heights", "list or array, or a list of them", "None",
              "In place of onsets: heights that a ball was dropped from and rose to, one after the other; a list of its "
              "own for each drop.")],
@@ -69,7 +71,7 @@ FUNCTIONS = {
         call="_stages.restitution(onsets, heights, unit, given)", progress=False, without={"seed", "threads"},
         example='''
             >>> import bouncelab as bl
-            >>> samples = bl.restitution(bl.Onsets(t=[0.0, 1.0, 1.9, 2.71]))
+            >>> samples = bl.restitution([0.0, 1.0, 1.9, 2.71])
             >>> samples.eps.round(12)
             array([0.9, 0.9])
             >>> bl.restitution(heights=[100, 81, 66], unit="cm").eps.round(2)

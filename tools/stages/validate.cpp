@@ -7,6 +7,7 @@
 #include <cmath>
 #include <filesystem>
 #include <optional>
+#include <regex>
 #include <string_view>
 #include <type_traits>
 #include <utility>
@@ -26,8 +27,34 @@ namespace {
 
 namespace fs = std::filesystem;
 
+struct Detector {
+  std::string name, command;
+};
+
+/// NAME=COMMAND, or a command that is its own name.
+Detector detector_of(const std::string& text) {
+  static const std::regex named("([A-Za-z][A-Za-z0-9_.+-]*)=(.+)");
+  std::smatch parts;
+  const Detector detector = std::regex_match(text, parts, named) ? Detector{parts[1], parts[2]} : Detector{text, text};
+  if (detector.command != "builtin" && detector.command.find("{wav}") == std::string::npos)
+    throw InvalidArgument("--detector " + printable(text) + ": where in it is the recording? Write {wav} there");
+  return detector;
+}
+
+std::vector<Detector> detectors_of(const ValidateOptions& options) {
+  std::vector<Detector> detectors;
+  for (const std::string& text : options.detectors) {
+    detectors.push_back(detector_of(text));
+    if (std::count_if(detectors.begin(), detectors.end(),
+                      [&](const Detector& other) { return other.name == detectors.back().name; }) > 1)
+      throw InvalidArgument("--detector " + printable(text) + ": another one has this name; write NAME='COMMAND'");
+  }
+  if (detectors.empty()) throw InvalidArgument("--detector: name at least one, builtin for instance");
+  return detectors;
+}
+
 struct DetectorResult {
-  std::string name;
+  Detector detector;
   std::vector<Marks> marks;  ///< one for each case
   loop::DetectorScore all;
   std::size_t n_failed = 0;
@@ -67,39 +94,34 @@ std::vector<double> seconds_of(const Onsets& onsets) {
   return times;
 }
 
+constexpr std::size_t kShown = 1;  // of the tolerances of DetectorScore::agreement: 5 ms
+
 /// A table's head for the terminal.
 std::string heading(const std::string& first) {
-  return fmt::format("{:<28}{:>7}{:>7}{:>7}{:>7}{:>11}{:>11}{:>10}{:>10}{:>9}{:>10}\n", first, "F 50ms", "F 5ms",
-                     "F 1ms", "F .1ms", "recall 5ms", "jitter us", "x bound", "eps err", "pull", "x real t.");
+  return fmt::format("{:<28}{:>8}{:>11}{:>7}{:>11}{:>11}{:>9}{:>10}\n", first, "recall", "precision", "F", "offset us",
+                     "jitter us", "x bound", "CPU s");
 }
 
 std::string line_of(const std::string& name, const loop::DetectorScore& s) {
-  const auto& a = s.agreement;
-  return fmt::format("{:<28}{:>7}{:>7}{:>7}{:>7}{:>11}{:>11}{:>10}{:>10}{:>9}{:>10}\n", shortened(name),
-                     number(a[0].f_measure(), 1.0, "{:.3f}"), number(a[1].f_measure(), 1.0, "{:.3f}"),
-                     number(a[2].f_measure(), 1.0, "{:.3f}"), number(a[3].f_measure(), 1.0, "{:.3f}"),
-                     number(a[1].recall(), 1.0, "{:.3f}"), number(s.within_drops_s, 1e-6, "{:.3g}"),
-                     number(s.bound_ratio_within_drops, 1.0, "{:.3g}"), number(s.eps_error, 1.0, "{:.1e}"),
-                     number(s.pull(), 1.0, "{:.2f}"), number(s.times_real_time(), 1.0, "{:.0f}"));
+  const auto& within_5ms = s.agreement[kShown];
+  return fmt::format("{:<28}{:>8}{:>11}{:>7}{:>11}{:>11}{:>9}{:>10}\n", shortened(name),
+                     number(within_5ms.recall(), 1.0, "{:.3f}"), number(within_5ms.precision(), 1.0, "{:.3f}"),
+                     number(within_5ms.f_measure(), 1.0, "{:.3f}"), number(s.offset_s, 1e-6, "{:.4g}"),
+                     number(s.within_drops_s, 1e-6, "{:.3g}"), number(s.bound_ratio_within_drops, 1.0, "{:.5g}"),
+                     number(s.processor_s, 1.0, "{:.3g}"));
 }
 
-std::string text_of(const std::vector<Case>& cases, const std::vector<loop::SweepAxis>& lists,
-                    const std::vector<DetectorResult>& results) {
-  std::string text = heading(fmt::format("{} recording{}", cases.size(), cases.size() == 1 ? "" : "s"));
-  for (const DetectorResult& result : results) text += line_of(result.name, result.all);
+/// A row for each detector; the scores by setting and by recording are in the files.
+std::string text_of(const std::vector<Case>& cases, const std::vector<DetectorResult>& results) {
+  std::string text = heading(fmt::format("{} recording{}, within 5 ms", cases.size(), cases.size() == 1 ? "" : "s"));
+  for (const DetectorResult& result : results) text += line_of(result.detector.name, result.all);
   for (const DetectorResult& result : results)
     if (const std::optional<double> rate = result.all.invented_per_hour())
-      text += fmt::format("{}: {:.3g} onsets an hour where no ball is\n", result.name, *rate);
+      text += fmt::format("{}: {:.3g} onsets an hour where no ball is\n", result.detector.name, *rate);
   for (const DetectorResult& result : results)
     if (result.n_failed > 0)
-      text += fmt::format("{}: failed in {} of {} recordings, whose impacts count as missed\n", result.name,
+      text += fmt::format("{}: failed in {} of {} recordings, whose impacts count as missed\n", result.detector.name,
                           result.n_failed, cases.size());
-  if (!lists.empty())
-    for (const DetectorResult& result : results) {
-      text += "\n" + heading(shortened(result.name));
-      for (const FactorScore& f : factor_scores(lists, cases, result))
-        text += line_of("  " + f.option + " " + f.value, f.score);
-    }
   return text;
 }
 
@@ -112,7 +134,7 @@ Table table_of(const std::vector<Case>& cases, const std::vector<DetectorResult>
       for (std::size_t k = 0; k < cases.size(); ++k) cells.push_back(of(result, k));
     table.columns.push_back({std::string(name), std::move(cells)});
   };
-  add("detector", [](const DetectorResult& result, std::size_t) { return result.name; });
+  add("detector", [](const DetectorResult& result, std::size_t) { return result.detector.name; });
   add("recording", [&](const DetectorResult&, std::size_t k) { return cases[k].name; });
   add("setting", [&](const DetectorResult&, std::size_t k) { return loop::text_of(cases[k].settings); });
   for (const Member& member : members_of(static_cast<const loop::DetectorScore*>(nullptr)))
@@ -137,11 +159,9 @@ Object object_of_result(const std::vector<Case>& cases, const std::vector<loop::
                                    {"setting", loop::text_of(cases[k].settings)},
                                    {"score", value_of(result.marks[k].score)},
                                    {"failure", result.marks[k].failure}});
-  return {{"detector", result.name},
-          {"n_failed", value_of(result.n_failed)},
-          {"all", value_of(result.all)},
-          {"factors", std::move(factors)},
-          {"recordings", std::move(recordings)}};
+  return {{"detector", result.detector.name},      {"command", result.detector.command},
+          {"n_failed", value_of(result.n_failed)}, {"all", value_of(result.all)},
+          {"factors", std::move(factors)},         {"recordings", std::move(recordings)}};
 }
 
 /// The sound of the three recordings in which a detector finds least, with its marks, for the page.
@@ -208,12 +228,12 @@ void check_usage(const ValidateOptions& options, const Run& run) {
 std::vector<DetectorResult> results_of(const ValidateOptions& options, const std::vector<Case>& cases,
                                        const fs::path& marks_folder, const Run& run) {
   std::vector<DetectorResult> results;
-  for (const std::string& detector : options.detectors) results.push_back({detector, {}, {}, 0});
+  for (const Detector& detector : detectors_of(options)) results.push_back({detector, {}, {}, 0});
   const ProgressCallback progress = progress_line(run, "validate", "recordings");
   for (std::size_t k = 0; k < cases.size(); ++k)
     for (std::size_t d = 0; d < results.size(); ++d) {
       progress(static_cast<double>(k * results.size() + d), static_cast<double>(cases.size() * results.size()));
-      Marks marks = marks_of(results[d].name, cases[k], options, fs::absolute(options.out));
+      Marks marks = marks_of(results[d].detector.command, cases[k], options, fs::absolute(options.out));
       write_table(run, marks_folder / std::to_string(d + 1) / (cases[k].name + ".csv"), to_table(marks.onsets),
                   {cases[k].sound});
       results[d].n_failed += marks.failure.empty() ? 0 : 1;
@@ -235,8 +255,8 @@ std::vector<Section> sections_of(ValidateOptions& options) {
       member<&O::detectors>(
           "detector",
           "Command of the shell that prints the times of onsets [s], one a line (a second number on the line: its "
-          "standard error); {wav} stands for the recording, {out} for a file that it writes instead. builtin is "
-          "bouncelab's"),
+          "standard error); {wav} stands for the recording, {out} for a file that it writes instead. NAME='COMMAND' "
+          "gives it a name. builtin is bouncelab's"),
       member<&O::out>("out", "Folder for scores.csv, validation.json, report.html, and the recordings")
           .writes("FOLDER"),
       member<&O::recordings>("recordings",
@@ -261,11 +281,7 @@ Outcome run_validate(const ValidateOptions& options, const Run& run) {
   check_usage(options, run);
   if (!options.marks.empty()) return run_marks(options);
   if (options.out.empty()) throw InvalidArgument("--out: name a folder for the results");
-  if (options.detectors.empty()) throw InvalidArgument("--detector: name at least one, builtin for instance");
-  for (const std::string& detector : options.detectors)
-    if (detector != "builtin" && detector.find("{wav}") == std::string::npos)
-      throw InvalidArgument("--detector " + printable(detector) + ": where in it is the recording? Write {wav} there");
-  const std::vector<std::string>& detectors = options.detectors;
+  const std::vector<Detector> detectors = detectors_of(options);
   const fs::path folder = options.out, sounds = folder / "recordings", marks_folder = folder / "marks";
   const bool is_synthesized = options.recordings.empty();
   std::vector<Case> cases = is_synthesized ? cases_of(options, run, sounds) : given_cases(options);
@@ -309,13 +325,13 @@ Outcome run_validate(const ValidateOptions& options, const Run& run) {
   page.title = "Onset detectors against true times";
   page.validation_json = json_text(Object{{"detectors", std::move(shown)}});
   write_text(run, folder / "report.html", report::render(page), inputs);
-  outcome.text = text_of(cases, run.sweep, results) + "Report: " + (folder / "report.html").string() + "\n";
+  outcome.text = text_of(cases, results) + "Report: " + (folder / "report.html").string() + "\n";
   for (const std::string& one : taken_for) outcome.notes.push_back({NoteKind::of_file, {}, one});
   for (const DetectorResult& result : results)
     for (std::size_t k = 0; k < cases.size(); ++k)
       if (const std::string& failure = result.marks[k].failure; !failure.empty())
         outcome.notes.push_back(
-            {NoteKind::detector_failed, {}, printable(result.name) + ", " + cases[k].name + ": " + failure});
+            {NoteKind::detector_failed, {}, printable(result.detector.name) + ", " + cases[k].name + ": " + failure});
   report::order(outcome.notes);
   if (std::all_of(results.begin(), results.end(),
                   [&](const auto& result) { return result.n_failed == cases.size(); })) {

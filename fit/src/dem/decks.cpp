@@ -40,7 +40,8 @@ double restitution_by_motion(Damping damping, ContactEnd end) {
 
 }  // namespace
 
-DemContact dem_contact(const std::optional<Ball>& ball, const std::optional<Material>& plate, double v_mps) {
+DemContact dem_contact(const std::optional<Ball>& ball, const std::optional<Material>& plate, double v_mps,
+                       std::optional<double> youngs_modulus_pa) {
   Material below = plate.value_or(kGlass);
   Ball taken = ball.value_or(Ball{});
   std::optional<ContactDuration> lasts = contact_duration(taken, below);
@@ -57,15 +58,23 @@ DemContact dem_contact(const std::optional<Ball>& ball, const std::optional<Mate
     named.material.density_kgpm3 = std::strtod(formatted("%.5g", named.material.density_kgpm3).c_str(), nullptr);
   contact.ball = to_text(named) + " on " + plate_text(below) + why;
   constexpr double kHertz = 2.943;  // tau = 2.943 (5 m/(4 k_n sqrt R))^(2/5) v^(-1/5)
-  const double mass = mass_kg(taken), nu = taken.material.poisson_ratio, tau = lasts->at(v_mps);
+  const double mass = mass_kg(taken), nu = taken.material.poisson_ratio, root = std::sqrt(taken.radius_m);
   contact.radius_m = taken.radius_m;
   contact.mass_kg = mass;
   contact.density_kgpm3 = taken.material.density_kgpm3;
   contact.poisson_ratio = nu;
-  contact.k_n_pa = 1.25 * mass * pow(kHertz / tau, 2.5) / std::sqrt(v_mps * taken.radius_m);
+  const double measured_pa = 1.25 * mass * pow(kHertz / lasts->at(v_mps), 2.5) / (std::sqrt(v_mps) * root);
+  contact.k_n_pa = youngs_modulus_pa ? *youngs_modulus_pa / (1.5 * (1.0 - nu * nu)) : measured_pa;
   contact.k_t_pa = 3.0 * (1.0 - nu) / (2.0 - nu) * contact.k_n_pa;
   contact.youngs_modulus_pa = 1.5 * (1.0 - nu * nu) * contact.k_n_pa;
-  contact.duration_s = tau * pow(v_mps, 0.2);
+  contact.duration_s = kHertz * pow(1.25 * mass / (contact.k_n_pa * root), 0.4);
+  const double overlap_m = pow(1.25 * mass * square(v_mps) / (contact.k_n_pa * root), 0.4);
+  if (youngs_modulus_pa)
+    contact.ball += formatted(
+        "\nE = %.4g Pa in place of the ball's: contacts last %.3g times as long, the deepest overlap at %.3g m/s is "
+        "%.2g %% "
+        "of the radius",
+        *youngs_modulus_pa, pow(measured_pa / contact.k_n_pa, 0.4), v_mps, 100.0 * overlap_m / taken.radius_m);
   return contact;
 }
 
@@ -153,7 +162,7 @@ Snippet deck(const char* program, const char* model, const char* parameter, cons
 std::vector<Snippet> constant_decks(const Decks& decks, double eps) {
   const char* const model = "constant";
   const std::string told = number(told_to_lammps(eps));
-  return {
+  std::vector<Snippet> all{
       deck("LIGGGHTS", model, "property/global coefficientRestitution", kLiggghts,
            {{"model", kLiggghtsConstant}, {"eps", number(eps)}}, decks),
       deck("LAMMPS", model, "pair_style granular, second coefficient of hertz with damping tsuji", kLammps,
@@ -175,6 +184,10 @@ std::vector<Snippet> constant_decks(const Decks& decks, double eps) {
            "HertzianViscoelasticMindlinSpecies::setEffectiveElasticModulusAndRestitutionCoefficient", kMercury,
            {{"eps", number(eps)}}, decks, "// "),
   };
+  std::erase_if(all, [&](const Snippet& of) {
+    return (of.program == "LIGGGHTS" && eps < kLeastOfLiggghts) || (of.program == "LAMMPS" && eps < kLeastOfLammps);
+  });
+  return all;
 }
 
 std::vector<Snippet> viscoelastic_decks(const Decks& decks, double gamma, ContactEnd end) {

@@ -41,7 +41,10 @@ struct DemContact {
 
 /// As stiff as Hertz's law makes contacts that last as long as those of the ball do at v. Of a ball that is not known,
 /// or whose contacts are not: the paper's, a steel ball of 6 mm on glass.
-DemContact dem_contact(const std::optional<Ball>& ball, const std::optional<Material>& plate, double v_mps);
+/// @param youngs_modulus_pa  of the material of ball and plate, in place of that stiffness: of a simulation whose balls
+///                           are softer than the measured one
+DemContact dem_contact(const std::optional<Ball>& ball, const std::optional<Material>& plate, double v_mps,
+                       std::optional<double> youngs_modulus_pa = {});
 
 /// alpha of a contact with a constant eps, m d2xi/dt2 = -k xi^(3/2) - alpha sqrt(m k) xi^(1/4) dxi/dt, that ends where
 /// the surfaces part, xi = 0:  alpha = -sqrt(5) ln eps/sqrt(ln^2 eps + pi^2).
@@ -57,6 +60,10 @@ enum class ContactEnd { force, surfaces };
 /// deepest elastic contact; error 1e-5, 3e-5 to where surfaces part. ViscoelasticLaw is 0.002 high at 0.6.
 double viscoelastic_by_motion(double gamma, double v_mps, ContactEnd end);
 
+/// Constant eps that a code cannot go below: LIGGGHTS refuses less, LAMMPS's `damping tsuji` has no larger damping (its
+/// polynomial ends at 1.2728).
+constexpr double kLeastOfLiggghts = 0.05, kLeastOfLammps = 0.114;
+
 /// What the inputs of all codes have in common.
 struct Decks {
   DemContact contact;
@@ -65,7 +72,7 @@ struct Decks {
 };
 
 /// One ball, which meets a plate at v and prints eps, in LIGGGHTS, LAMMPS, Yade and MercuryDPM, with a constant eps.
-/// @param eps  in (0, 1]
+/// @param eps  in (0, 1]; none for a code that cannot bounce it
 std::vector<Snippet> constant_decks(const Decks& decks, double eps);
 /// The same with viscoelastic contacts, in the codes that have them and end them so.
 /// @param gamma  > 0 [(m/s)^(-1/5)]

@@ -71,6 +71,10 @@ std::string within(const CurveWithScatter& fit, double off, double least_eps) {
                    fit.slowest(), fit.fastest());
 }
 
+void add_missing(DemExport& result, const std::string& which) {
+  result.missing += (result.missing.empty() ? "" : "; ") + which;
+}
+
 /// The viscoelastic inputs, each with the gamma for where its code ends contacts, or why there are none.
 void add_viscoelastic(DemExport& result, const Decks& base, const CurveWithScatter& fit, double off_constant) {
   for (const ContactEnd end : {ContactEnd::force, ContactEnd::surfaces}) {
@@ -89,12 +93,13 @@ void add_viscoelastic(DemExport& result, const Decks& base, const CurveWithScatt
       const auto more = viscoelastic_decks(decks, *gamma, end);
       result.snippets.insert(result.snippets.end(), more.begin(), more.end());
     } else {
-      result.warning += parting ? "; no viscoelastic model for LAMMPS, whose contacts end where surfaces part: "
-                                : "; no viscoelastic model: ";
-      result.warning +=
-          gamma ? formatted("a sphere with that ε there is off by up to %.2g elsewhere, the constant by %.2g", off,
-                            off_constant)
-                : "no sphere has that ε";
+      add_missing(result,
+                  std::string(parting ? "no viscoelastic model for LAMMPS, whose contacts end where surfaces part: "
+                                      : "no viscoelastic model: ") +
+                      (gamma ? formatted("a sphere with that ε there is off by up to %.2g elsewhere, the "
+                                         "constant by %.2g",
+                                         off, off_constant)
+                             : std::string("no sphere has that ε")));
     }
   }
 }
@@ -103,7 +108,7 @@ void add_viscoelastic(DemExport& result, const Decks& base, const CurveWithScatt
 
 std::optional<DemExport> dem_export(const Curve& curve, const std::optional<ScatterModel>& scatter, double v_mps,
                                     const std::optional<Ball>& ball, const std::optional<Material>& plate,
-                                    const std::optional<DemMemory>& memory) {
+                                    const std::optional<DemMemory>& memory, std::optional<double> youngs_modulus_pa) {
   CurveWithScatter fit{curve.points, scatter};
   const auto add_node = [&](const CurveNode& node) {
     fit.points.push_back({node.v_mps, node.eps.value, node.eps.ci95, node.eps.se});
@@ -121,11 +126,11 @@ std::optional<DemExport> dem_export(const Curve& curve, const std::optional<Scat
   result.peak = result.mean - (scatter ? scatter->mean_minus_peak(v_mps) : 0.0);
   if (!(result.eps > 0.0 && result.eps <= 1.0)) return std::nullopt;
   result.se = fit.nearest(v_mps).se;
-  Decks decks{dem_contact(ball, plate, v_mps), {}, v_mps};
+  Decks decks{dem_contact(ball, plate, v_mps, youngs_modulus_pa), {}, v_mps};
   result.ball = decks.contact.ball;
   const std::string at =
       formatted("%.4f at %.3g m/s, root mean square: it keeps the energy that the impacts keep", result.eps, v_mps);
-  const std::string ball_line = "\nstiffness, size and mass: " + result.ball + "; friction 0.2 is an example";
+  const std::string ball_line = "\nfriction 0.2 is an example; stiffness, size and mass: " + result.ball;
   const double off_constant = distance(fit, [&](double) { return result.eps; });
   constexpr double kSame = 1e-3;  // of eps
   const auto how_constant = [&](const char* eps) {
@@ -136,6 +141,9 @@ std::optional<DemExport> dem_export(const Curve& curve, const std::optional<Scat
   decks.about = "constant coefficient of restitution " + at + "\n" + how_constant("eps") + ball_line;
   result.snippets = constant_decks(decks, result.eps);
   result.warning = how_constant("ε");
+  if (result.eps < kLeastOfLammps)
+    add_missing(result, formatted("no constant ε below %g in LIGGGHTS and %g in LAMMPS, whose contacts return more",
+                                  kLeastOfLiggghts, kLeastOfLammps));
   if (v_mps < slowest || v_mps > fastest) result.warning += formatted("; %.3g m/s lies outside the data", v_mps);
   const auto add = [&](std::vector<Snippet> more) {
     result.snippets.insert(result.snippets.end(), more.begin(), more.end());

@@ -111,7 +111,8 @@ Description members_of(const DemExport*) {
                         "γ of the viscoelastic sphere with that ε there; `null` where it does not fit "
                         "at other speeds"),
       member<&D::ball>("ball", "Ball and plate whose contact the inputs have"),
-      member<&D::warning>("warning", "How far ε moves over the speeds of the data; why `gamma` is `null`")};
+      member<&D::warning>("warning", "How far ε moves over the speeds of the data"),
+      member<&D::missing>("missing", "Which models the codes do not get, and why; why `gamma` is `null`")};
   return all;
 }
 
@@ -309,10 +310,10 @@ Description members_of(const FitResult*) {
           "for all"),
       member<fitted_windows>("histograms", "Windows of speed that have enough samples, see below"),
       member<&F::budget>("budget", "Error budget, see below"),
-      member<&F::dem_export>(
-          "hand_off",
-          "`null`, or `{v_mps, eps, se, gamma, ball, warning}`: what `dem` makes inputs of discrete-element codes "
-          "of"),
+      member<&F::dem_export>("hand_off",
+                             "`null`, or `{v_mps, eps, se, gamma, ball, warning, missing}`: what `dem` makes inputs of "
+                             "discrete-element codes "
+                             "of"),
       member<&F::density>("density",
                           "Counts of samples, of more than 400 (fewer are shown one by one): `v_edges_mps`, "
                           "`eps_edges`, `counts[eps bin][v bin]`, `n_outside`"),

@@ -59,7 +59,7 @@ Outcome run_dem(const DemOptions& options, const Run&) {
         "with --pool");
   std::optional<fit::DemExport> dem;
   try {
-    dem = report::dem_of_fit(content);
+    dem = report::dem_of_fit(content, options.youngs_modulus_pa);
   } catch (const InvalidArgument& error) {
     throw FileError(options.fit, error.what());
   }
@@ -75,8 +75,8 @@ Outcome run_dem(const DemOptions& options, const Run&) {
     outcome.result = {{"program", snippet.program}, {"model", snippet.model}, {"text", snippet.text}};
     return outcome;
   }
-  outcome.error =
-      options.fit + ": nothing " + options.model + " for " + options.code + ": " + (has.empty() ? dem->warning : has);
+  outcome.error = options.fit + ": nothing " + options.model + " for " + options.code + ": " + has +
+                  (has.empty() || dem->missing.empty() ? "" : "; ") + dem->missing;
   outcome.exit_code = kNotUsable;
   return outcome;
 }

@@ -24,6 +24,7 @@ struct DemOptions {
   std::string fit;
   std::string code = "lammps";
   std::string model;  ///< empty: the first that the fit has for the code
+  std::optional<double> youngs_modulus_pa;
 };
 
 /// Prints what the fit has for the code. Exit code 1 where it has nothing of the kind.

@@ -279,7 +279,12 @@ Command dem_command() {
       member<&O::fit>("fit", "fit.json, as fit, analyze and loop write it").required().positional(),
       member<&O::code>("code", "For which code").one_of("liggghts,lammps,yade,mercurydpm,c++,python,formulas"),
       member<&O::model>("model", "Of the contact; default: constant eps, fluctuating for c++, python and formulas")
-          .one_of("constant,viscoelastic,fluctuating,memory")};
+          .one_of("constant,viscoelastic,fluctuating,memory"),
+      member<&O::youngs_modulus_pa>("youngs_modulus",
+                                    "Young's modulus of the simulated balls and plate, softer than the measured ones "
+                                    "so that steps may be longer; eps stays what it is, the damping is adapted "
+                                    "(default: as stiff as the measured ball) [Pa]")
+          .within(1e3, 1e13)};
   return command_of<O>(
       {"dem", kStages,
        "Prints a fitted ball as input of a discrete-element code: one impact on a plate, complete, to try and to copy "
@@ -321,7 +326,7 @@ Command validate_command() {
       {"validate",
        kBeside,
        "Any onset detector against sound whose times are exactly known: precision, recall, jitter, bound, errors",
-       "Examples: bouncelab validate --config samples/validate.toml --detector builtin --detector 'aubioonset -i "
+       "Examples: bouncelab validate --config samples/validate.toml --detector builtin --detector aubio='aubioonset -i "
        "{wav}' --out out/validate\n"
        "          bouncelab validate --recordings folder --truth folder --detector 'python3 mine.py {wav}' --out "
        "out/mine\n"

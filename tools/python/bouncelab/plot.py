@@ -21,7 +21,8 @@ def _axes(ax: Optional[Axes]) -> Axes:
 
 
 def restitution(fit: Any, ax: Optional[Axes] = None) -> Axes:
-    """The curve eps(v) with its 95 % band, and the samples.
+    """The curve eps(v) with its 95 % band, and the bounces: up to 400 without what drag and contact time did to them, with
+    the errors of their times as bars; more of them as measured.
 
     Parameters
     ----------
@@ -38,9 +39,13 @@ def restitution(fit: Any, ax: Optional[Axes] = None) -> Axes:
     ax = _axes(ax)
     curve = fit.results["curve"]
     v = np.array([p["v_mps"] for p in curve["points"] or curve["nodes"]])
-    if fit.samples is not None:
+    shown = fit.shown_samples() if fit.samples is not None else None
+    if shown is not None:
+        ax.errorbar(shown["v_mps"], shown["eps"], shown["sigma_eps"], fmt=".", ms=4, lw=0.8, color="0.55",
+                    label="bounces, with the errors of their times", zorder=1)
+    elif fit.samples is not None:
         points = slice(None, None, max(1, -(-len(fit.samples) // _MOST_POINTS)))
-        ax.plot(fit.samples.v[points], fit.samples.eps[points], ".", ms=3, color="0.65", label="samples", zorder=1)
+        ax.plot(fit.samples.v[points], fit.samples.eps[points], ".", ms=3, color="0.65", label="bounces as measured", zorder=1)
     band = fit.eps(v)
     ax.fill_between(v, band.lo95, band.hi95, color="C0", alpha=0.3, lw=0, label="95 %", zorder=2)
     ax.plot(v, band.value, color="C0", label="ε(v)", zorder=3)

@@ -415,6 +415,17 @@ class Fit:
         drawn += normal * rng.standard_normal(size=shape)
         return mean - (above - below) + drawn
 
+    def shown_samples(self) -> Optional[Dict[str, np.ndarray]]:
+        """The samples without the drag and contact time that the fit found: ``v_mps``, ``eps``, ``sigma_eps`` (NaN where it
+        is not known). None where there are none, or more than 400."""
+        text = _core.shown_samples(self.samples.to_dict(), self._text) if self.samples is not None else ""
+        if not text:
+            return None
+        import numpy as np
+
+        shown = json.loads(text)
+        return {name: np.array(shown[name], float) for name in ("v_mps", "eps", "sigma_eps")}
+
     def report(self, path: Path, title: Optional[str] = None, force: bool = False) -> None:
         """Writes a report, one HTML file that needs no network.
 

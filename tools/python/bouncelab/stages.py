@@ -100,8 +100,23 @@ def detect(recording: Any, rate: Any, name: str, keywords: Dict[str, Any], progr
     return Onsets(found["columns"], summary=json.loads(found["summary"]), source=source)
 
 
+def _drops(numbers: Any) -> Any:
+    """A list of drops, each a list of numbers; of one drop it may be left out."""
+    return numbers if len(numbers) > 0 and hasattr(numbers[0], "__len__") else [numbers]
+
+
+def _onsets(given: Any) -> Onsets:
+    if isinstance(given, (list, tuple)) or type(given).__name__ == "ndarray":
+        import numpy as np
+
+        drops = [np.asarray(t_s, float) for t_s in _drops(given)]
+        return Onsets(t=np.concatenate(drops), drop=np.repeat(np.arange(len(drops)), [len(t_s) for t_s in drops]),
+                      impact=np.concatenate([np.arange(len(t_s)) for t_s in drops]))
+    return Onsets.of(given)
+
+
 def _onsets_of_heights(heights: Any, unit: str) -> Onsets:
-    drops = heights if len(heights) > 0 and hasattr(heights[0], "__len__") else [heights]
+    drops = _drops(heights)
     # as they are printed: .81 has an error of its two digits
     return Onsets(_core.onsets_of_heights([[str(height) for height in drop] for drop in drops], unit))
 
@@ -109,7 +124,7 @@ def _onsets_of_heights(heights: Any, unit: str) -> Onsets:
 def restitution(onsets: Any, heights: Any, unit: str, keywords: Dict[str, Any]) -> Samples:
     if (onsets is None) == (heights is None):
         raise ValueError("give onsets or heights")
-    onsets = Onsets.of(onsets) if heights is None else _onsets_of_heights(heights, unit)
+    onsets = _onsets(onsets) if heights is None else _onsets_of_heights(heights, unit)
     found = _core.restitution(onsets.to_dict(), _arguments(keywords))
     return Samples(found["columns"], summary=json.loads(found["summary"]), onsets=onsets)
 

@@ -128,6 +128,12 @@ void write_report(const std::string& path, const std::string& title, const std::
   stages::write_text(writing(force), path, report::render(input));
 }
 
+/// What a picture shows of the samples, where it shows each: at the plate, without the drag and contact time that the
+/// fit found. @return JSON; "" where they are too many
+std::string shown_samples(const py::dict& columns, const std::string& fit_json) {
+  return report::samples_json(samples_of(columns), fit_json);
+}
+
 }  // namespace
 
 void bind_fits(py::module_& m) {
@@ -139,6 +145,7 @@ void bind_fits(py::module_& m) {
   m.def("scatter", &scatter);
   m.def("sides_of_fluctuation", &sides_of_fluctuation);
   m.def("write_report", &write_report);
+  m.def("shown_samples", &shown_samples);
 }
 
 }  // namespace bouncelab::python

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The files that the command line leaves, saved by the browser; the worker keeps them until they are asked for.
+// The files that the command line leaves, saved by the browser; the worker keeps them until they are asked for. And the
+// answer as text and picture, to be shared.
+import {share} from './share.js';
 
 const kFiles = [
   {name: 'report.html', label: 'Report', type: 'text/html'},
@@ -29,6 +31,7 @@ export function showDownloads(host, engine, stem, found, hasTimes, wav, trouble)
     return b;
   };
   const buttons = (found ? kFiles : []).filter(f => hasTimes || !f.ofTimes).map(f => button(f.name, f.label, async () => save(`${stem}-${f.name}`, [(await engine.run({task: 'save', name: f.name})).text], f.type)));
+  if (found && document.querySelector('#law-plot svg')) buttons.unshift(button('picture', 'Share', () => share(stem, save)));
   if (wav) buttons.push(button('sound.wav', 'Sound (WAV)', async () => save(`${stem}.wav`, [(await wav()).bytes], 'audio/wav')));
   host.replaceChildren(...buttons);
   host.parentElement.hidden = !buttons.length;

@@ -41,6 +41,7 @@ export class Microphone {
     } catch (error) {
       throw refusal(error);
     }
+    this.screen = await navigator.wakeLock?.request('screen').catch(() => null);  // a phone that falls asleep does not listen
     if (!this.recording) return this.close();
     this.begun();
     const rate = this.stream.getAudioTracks()[0].getSettings().sampleRate;
@@ -110,8 +111,9 @@ export class Microphone {
     $('level').value = 0;
     this.recorder?.disconnect();
     this.stream?.getTracks().forEach(track => track.stop());
+    this.screen?.release();
     this.context?.close();
-    this.recorder = this.stream = this.context = null;
+    this.recorder = this.stream = this.context = this.screen = null;
     this.peak = 0;
   }
 }

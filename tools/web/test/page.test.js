@@ -38,8 +38,14 @@ describe('the page', {skip: missing ?? false}, () => {
     const session = await browser.target().createCDPSession();
     await session.send('Browser.setDownloadBehavior', {behavior: 'allow', downloadPath: folder});
     const names = await page.$$eval('#downloads button', list => list.map(b => b.dataset.file));
-    assert.deepEqual(names, ['report.html', 'onsets.csv', 'samples.csv', 'fit.json', 'labels.txt']);
-    for (const name of names) {
+    assert.deepEqual(names, ['picture', 'report.html', 'onsets.csv', 'samples.csv', 'fit.json', 'labels.txt']);
+    await page.click('#downloads [data-file="picture"]');
+    const picture = join(folder, 'clean-eps.png');
+    for (let k = 0; k < 100 && !existsSync(picture); ++k) await sleep(50);
+    const png = readFileSync(picture), size = {width: png.readUInt32BE(16), height: png.readUInt32BE(20)};
+    assert.ok(size.width > 600 && size.height > 400, JSON.stringify(size));
+    assert.match(await statusOf(page), /^The picture is saved/);
+    for (const name of names.slice(1)) {
       await page.click(`#downloads [data-file="${name}"]`);
       const file = join(folder, `clean-${name}`);
       for (let k = 0; k < 100 && !(existsSync(file) && !readdirSync(folder).some(f => f.endsWith('.crdownload'))); ++k) await sleep(50);

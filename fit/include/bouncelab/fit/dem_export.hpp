@@ -33,7 +33,8 @@ struct DemExport {
   std::optional<double> gamma;  ///< of the viscoelastic sphere with that eps at v; absent where no such
                                 ///< sphere is half as far from eps(v) at other speeds as the constant
   std::string ball;             ///< the ball and plate whose contact the inputs have
-  std::string warning;          ///< how far eps moves over the speeds of the data, and why there is no gamma
+  std::string warning;          ///< how far eps moves over the speeds of the data
+  std::string missing;          ///< which models codes do not get, and why
   std::vector<Snippet> snippets;
 };
 Description members_of(const DemExport*);
@@ -48,10 +49,13 @@ struct DemMemory {
 /// @param scatter  of a fit, about its peak; absent: nothing fluctuates
 /// @param v_mps   where the simulated collisions are, within the data
 /// @param memory  where it holds: adds a function that fluctuates with memory, by its own law and q
+/// @param youngs_modulus_pa  of the simulated balls and plate, where they are softer than the measured ones: eps stays,
+///                           the damping is adapted
 /// @return nullopt where eps is not in (0, 1] as these codes demand
 std::optional<DemExport> dem_export(const Curve& curve, const std::optional<ScatterModel>& scatter, double v_mps,
                                     const std::optional<Ball>& ball, const std::optional<Material>& plate,
-                                    const std::optional<DemMemory>& memory = {});
+                                    const std::optional<DemMemory>& memory = {},
+                                    std::optional<double> youngs_modulus_pa = {});
 
 /// eps(v) as a table v_mps, eps, lo95, hi95.
 Table law_table(const std::vector<CurvePoint>& curve);

@@ -32,8 +32,9 @@ struct ReportInput {
 std::string samples_json(RestitutionSamples samples, const std::string& fit_json);
 
 /// Inputs of discrete-element codes by the numbers of a fit.json; absent where it has nothing for them.
+/// @param youngs_modulus_pa  of the simulated balls; absent: as stiff as the measured one
 /// @throws InvalidArgument where a number is missing or wrong
-std::optional<fit::DemExport> dem_of_fit(const std::string& fit_json);
+std::optional<fit::DemExport> dem_of_fit(const std::string& fit_json, std::optional<double> youngs_modulus_pa = {});
 
 /// One HTML file that carries everything it needs (pictures are drawn by the plotting library inside it; no network).
 /// @throws InvalidArgument where a text is not JSON
