@@ -48,7 +48,7 @@ PARTS = {
     "unexplained sounds": {"kTracking.unexplained": 0},
     "echoes no clutter": {"kTracking.echo_s": 0},
     "first impact anew": {"kTracking.known_after": NEVER},
-    "power of the loudness": {"kTracking.loudness_exponent": 1, "kTracking.exponent_scatter": 0},
+    "power of the loudness": {"kTracking.loudness_exponent": 1, "kTracking.exponent_scatter": 1e-3},
     "lower bands": {"kTracking.lower_band": NEVER},
     "lower bands only where unclear": {"kChannels.explained": 2},
     "long template": {"kTemplate.many_close": NEVER},
