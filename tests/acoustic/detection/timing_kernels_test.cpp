@@ -66,8 +66,7 @@ TEST(Products, CorrelateIsThePlainSumAndTheSameBytesWhereverAnOutputStands) {
 }
 
 TEST(WhiteSound, GivesTheSameBytesAsAWindowReadAlone) {
-  // windows that overlap, jump back, and reach beyond both ends, by two whiteners in turn; more than the memory holds,
-  // and numbers of blocks that share a place
+  // windows that overlap, jump back, and reach beyond both ends, by two whiteners in turn
   const std::vector<float> x = noise(700000, 3);
   const audio::AudioSource sound = audio::source_in_memory(x, 48e3);
   const std::vector<std::vector<float>> whiteners = {noise(20, 4), noise(20, 5)};

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <optional>
 #include <vector>
 
@@ -201,9 +200,7 @@ struct Knock {
 };
 
 /// A ball of 24 impacts in noise; timed by the candidates of some of them and of instants at which nothing sounds.
-/// @param late_s  of the candidates of single impacts
-std::vector<TimedImpact> timed(const std::vector<int>& with_candidate, const std::vector<Knock>& knocks = {},
-                               const std::map<int, double>& late_s = {}) {
+std::vector<TimedImpact> timed(const std::vector<int>& with_candidate, const std::vector<Knock>& knocks = {}) {
   std::vector<float> samples(static_cast<std::size_t>((time_of(kImpacts) + 0.6) * kRate_hz));
   Random random(7, RandomStream::test, 0);
   for (float& x : samples) x = static_cast<float>(2e-3 * random.normal());
@@ -217,8 +214,7 @@ std::vector<TimedImpact> timed(const std::vector<int>& with_candidate, const std
   for (const int k : with_candidate) {
     // the track itself is not sure of the instants at the end at which nothing sounds
     track.impacts.push_back({candidates.size(), k, k < kImpacts ? 1.0 : 0.5});
-    const auto late = late_s.find(k);
-    candidates.push_back({time_of(k) + (late == late_s.end() ? 0.0 : late->second), 200.0, 0.4e-3, 50.0});
+    candidates.push_back({time_of(k), 200.0, 0.4e-3, 50.0});
     if (k < kImpacts) sounding.push_back(candidates.back());
     for (const Knock& knock : knocks)  // candidates of no track
       if (knock.t_s > time_of(k) && knock.t_s < time_of(k + 1)) candidates.push_back({knock.t_s, 300.0, 0.4e-3, 50.0});
@@ -262,22 +258,6 @@ TEST(TrackTimer, StaysAtTheImpactWhereALouderKnockOfTheSamePlateFollows) {
   for (int k = 0; k < kImpacts; ++k) all.push_back(k);
   for (const double later_s : {6e-3, 9e-3, 13e-3, 19e-3})
     expect_all_impacts(timed(all, {{time_of(6) + later_s, 0.35}, {time_of(15) + later_s, 0.25}}));
-}
-
-TEST(TrackTimer, PutsAnImpactWhereItsNeighboursExpectItThoughItsCandidateIsAKnockFarBehind) {
-  std::vector<int> all;
-  for (int k = 0; k < kImpacts; ++k) all.push_back(k);
-  for (const double late_s : {8e-3, 11e-3, 16e-3}) {
-    SCOPED_TRACE(late_s);
-    expect_all_impacts(timed(all, {{time_of(14) + late_s, 0.05}}, {{14, late_s}}));
-  }
-}
-
-TEST(TrackTimer, FindsAMissingImpactThoughTheCandidateBehindItIsLate) {
-  std::vector<int> all_but_one;
-  for (int k = 0; k < kImpacts; ++k)
-    if (k != 14) all_but_one.push_back(k);
-  expect_all_impacts(timed(all_but_one, {{time_of(15) + 11e-3, 0.05}}, {{15, 11e-3}}));
 }
 
 }  // namespace

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Balls in what surrounds them, and balls that do what simple ones do not. Each function makes one Scene with its truth."""
+import dataclasses
+
 import numpy as np
 
 import balls
@@ -166,7 +168,32 @@ def soft_ball(rng):
     return scene(rng, t_s, sound, 0.03 * last)
 
 
+def at_once(rng):
+    """Two balls that bounce at the same time, of one kind or of two."""
+    t_s, v, voice, sound, last = plain(rng, n=rng.integers(8, 16))
+    other = voice if rng.random() < 0.5 else waves.Voice(waves.hard_ball(rng, RATE_HZ), 0.2)
+    second, v2, _ = balls.drop(rng, RATE_HZ, rng.uniform(0.7, 0.92), rng.integers(8, 16), first_s=t_s[0] + rng.uniform(0.1, 0.6))
+    sound2, last2 = balls.sounding(rng, second, v2, other, max(t_s[-1], second[-1]) + 0.8)
+    waves.add(sound2, sound, 0)
+    return scene(rng, np.concatenate([t_s, second]), sound2, 0.05 * min(last, last2), np.repeat([0, 1], [len(t_s), len(second)]))
+
+
+def many_drops(rng):
+    """A ball dropped six times, each time at another place, where the plate's modes sound with other amplitudes of either sign."""
+    plate, times, sound, least = waves.hard_ball(rng, RATE_HZ), [], np.zeros(0), np.inf
+    for _ in range(6):
+        struck = dataclasses.replace(plate, amplitude=rng.standard_normal(len(plate.f_hz)))
+        first_s = times[-1][-1] + rng.uniform(0.5, 1.5) if times else 0.5
+        t_s, v, _ = balls.drop(rng, RATE_HZ, rng.uniform(0.7, 0.92), rng.integers(8, 20), first_s=first_s)
+        more, last = balls.sounding(rng, t_s, v, waves.Voice(struck, 0.1), t_s[-1] + 0.8)
+        waves.add(more, sound, 0)
+        times, sound, least = times + [t_s], more, min(least, last)
+    return scene(rng, np.concatenate(times), sound, 0.05 * least, np.repeat(np.arange(6), [len(t) for t in times]))
+
+
 CLUTTER = {"over speech": over_speech, "over hand claps": over_claps, "over a metronome": over_metronome, "after speech": after_speech,
            "two balls": two_balls, "hits something": hits_something, "eps jumps": jumping_eps, "first flight of eps .53": first_flight,
            "soft ramp before": soft_ramp, "click before": click_before, "10 ms apart at the end": dense_end, "gain control": gain_control,
            "clipped": clipped, "soft ball": soft_ball}
+
+DROPS = {"two balls at once": at_once, "one ball at six places": many_drops}

@@ -6,7 +6,8 @@
     bouncelab validate --recordings FOLDER/clutter --truth FOLDER/clutter --detector builtin --out out/clutter
 
 Makes FOLDER/few (3 to 12 impacts, eps .55 to .9, last impact 10 to 40 dB above the noise, 8 to 48 kHz), clutter (balls amid other sounds, and
-balls that do what simple ones do not), no-ball (strokes, rhythms, voices) and two-microphones: NAME.wav and NAME.truth.csv.
+balls that do what simple ones do not), drops (two balls at once, one ball at six places), no-ball (strokes, rhythms, voices) and
+two-microphones: NAME.wav and NAME.truth.csv.
 Each recording follows from its name and the seed. Needs python3-numpy.
 """
 import argparse
@@ -44,6 +45,8 @@ def kinds():
                lambda rng, n=n, snr_db=snr_db, soft=soft: few(rng, n, snr_db, soft))
     for kind, make in clutter.CLUTTER.items():
         yield "clutter", "clutter " + kind, make
+    for kind, make in clutter.DROPS.items():
+        yield "drops", "drops " + kind, make
     for kind, make in {**strokes.STROKES, **rhythms.RHYTHMS}.items():
         yield "no-ball", "no ball " + kind, lambda rng, make=make: without_ball(rng, make)
     for kind, (soft, strength) in MICROPHONES.items():
@@ -55,7 +58,7 @@ def rng_of(name, seed):
     return np.random.default_rng(int.from_bytes(hashlib.sha256(("%s %d" % (name, seed)).encode()).digest()[:8], "little"))
 
 
-def make_all(folder, cases, seed, wanted=("few", "clutter", "no-ball", "two-microphones")):
+def make_all(folder, cases, seed, wanted=("few", "clutter", "drops", "no-ball", "two-microphones")):
     for place, kind, make in kinds():
         if place not in wanted:
             continue

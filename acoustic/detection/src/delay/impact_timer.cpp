@@ -40,8 +40,8 @@ SharedSamples shared_samples(std::int64_t offset, std::size_t n_window) {
 Ringing::Ringing(WhiteSound& white, const ImpactTemplate& learned)
     : white_(white), learned_(learned), fourier_(learned.filter.n_window()) {}
 
-void Ringing::add(double t_s, double amplitude, std::optional<audio::Spectrum> wave) {
-  impacts_.push_back({0.0, 0.0, std::move(wave), 0, {}});
+void Ringing::add(double t_s, double amplitude) {
+  impacts_.emplace_back();
   set(impacts_.size() - 1, t_s, amplitude);
 }
 
@@ -58,8 +58,8 @@ const std::vector<float>& Ringing::placed(Known& impact) {
   if (impact.placed.empty()) {
     const double shift =
         impact.t_s * white_.source().rate_hz - learned_.contact_index - static_cast<double>(impact.first);
-    impact.placed = fourier_.inverse(audio::phase_shifted(impact.wave ? *impact.wave : learned_.filter.spectrum(),  //
-                                                          -learned_.filter.omega() * shift));
+    impact.placed =
+        fourier_.inverse(audio::phase_shifted(learned_.filter.spectrum(), -learned_.filter.omega() * shift));
   }
   return impact.placed;
 }

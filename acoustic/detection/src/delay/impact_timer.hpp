@@ -20,8 +20,7 @@ class Ringing {
   /// @param white, learned  kept by reference
   Ringing(WhiteSound& white, const ImpactTemplate& learned);
 
-  /// @param wave  spectrum of the impact's sound; none = that of the template
-  void add(double t_s, double amplitude, std::optional<audio::Spectrum> wave = std::nullopt);
+  void add(double t_s, double amplitude);
   void set(std::size_t k, double t_s, double amplitude);
   double amplitude(std::size_t k) const { return impacts_[k].amplitude; }
 
@@ -37,7 +36,6 @@ class Ringing {
   struct Known {
     double t_s = 0.0;
     double amplitude = 0.0;
-    std::optional<audio::Spectrum> wave;
     std::int64_t first = 0;     // sample at which its window begins
     std::vector<float> placed;  // its sound there for the amplitude 1; computed when first needed
   };

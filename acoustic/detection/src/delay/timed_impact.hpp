@@ -3,7 +3,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <optional>
 #include <vector>
 
 #include "model_number.hpp"
@@ -17,11 +16,7 @@ struct DelayModel {
   double least_interval_s = 1.2e-3;  ///< impacts that follow nearer are not told apart
 
   // where the next impact is expected
-  double default_eps = 0.97;          ///< where no ratio of flights is known
-  double least_eps_reach = 0.015;     ///< of eps about the expected one
-  double most_eps_reach = 0.06;       ///< four times TrackingModel::scatter
-  std::size_t most_ratios = 9;        ///< the last ones, of which eps is the median
-  std::size_t fewest_ratios = 7;      ///< that show their scatter
+  double eps_reach = 0.06;            ///< of eps about the expected one: four times TrackingModel::scatter
   std::size_t anchors = 3;            ///< last impacts that predict one beyond the end: one may be in a wrong place
   double most_amplitude_ratio = 3.5;  ///< between neighbours; eps and the place struck explain up to two
   // beyond the end a single loss or gain may be the reason why the tracker has none: 0.73 to 1.17 of the interval
@@ -42,9 +37,7 @@ struct DelayModel {
   double much_left = 1.25;             ///< of the expected residual: then the impact may be at another place
   double of_template = 0.75;           ///< that is judged where a window has no end: the rest is hardly above noise
   double search_share = 0.25;          ///< of the intervals on either side, over which an impact may be searched for
-  double unexpected = 4.0;         ///< standard deviations from where its neighbours expect it: searched for there too
-  double most_of_interval = 0.25;  ///< of either interval: what is further off is the neighbour's
-  double least_doubt = 1e-2;       ///< probability of other times from which an impact is flagged doubtful
+  double least_doubt = 1e-2;           ///< probability of other times from which an impact is flagged doubtful
 
   // the posterior of the places: how even a track is, and where impacts are against the rises of their sound
   std::size_t fewest_impacts = 7;  ///< that show either
@@ -77,11 +70,6 @@ struct ImpactFit {
   std::vector<DelayHypothesis> alternatives;  ///< other times with a margin below kDelay.unambiguous
 };
 
-/// How far before and behind its rise an impact may be that the template does not explain.
-struct FarPlaces {
-  double before_s = 0.0, after_s = 0.0;
-};
-
 /// One impact of a track, timed.
 struct TimedImpact {
   std::int64_t impact = 0;
@@ -89,14 +77,13 @@ struct TimedImpact {
   double rise_s = 0.0;        ///< time of its candidate
   double rise_reach_s = 0.0;  ///< how far off that may be where nothing sounds before the impact; 0 = no candidate
   double until_s = 0.0;       ///< from here on the sound belongs to the next impact
-  std::optional<FarPlaces> not_explained{};  ///< to be searched, unless it is where its neighbours expect it
-  bool inferred = false;                     ///< no candidate: found where the track predicts it
-  bool overlap = false;                      ///< its sound reaches into that of the next
-  bool doubtful = false;                     ///< may have been at another place
-  double doubt_s = 0.0;                      ///< what that adds to the standard error, in quadrature
-  double probability = 1.0;                  ///< that it is one of the ball's, given that the track is a ball's
-  bool clipped = false;                      ///< the recording is at its limit within 5 ms
-  double v_mps = 0.0;  ///< from the flight before it (of the first: after it, over eps); 0 = not known
+  bool inferred = false;      ///< no candidate: found where the track predicts it
+  bool overlap = false;       ///< its sound reaches into that of the next
+  bool doubtful = false;      ///< may have been at another place
+  double doubt_s = 0.0;       ///< what that adds to the standard error, in quadrature
+  double probability = 1.0;   ///< that it is one of the ball's, given that the track is a ball's
+  bool clipped = false;       ///< the recording is at its limit within 5 ms
+  double v_mps = 0.0;         ///< from the flight before it (of the first: after it, over eps); 0 = not known
 };
 
 }  // namespace bouncelab::detection

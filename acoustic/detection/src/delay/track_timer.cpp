@@ -5,8 +5,10 @@
 #include <cmath>
 #include <cstddef>
 #include <optional>
+#include <utility>
 
 #include "bouncelab/core/elementary.hpp"
+#include "bouncelab/core/numerics.hpp"
 #include "delay/timed_impact.hpp"
 #include "tracking/tracker.hpp"
 #include "tracking/tracking_model.hpp"
@@ -30,16 +32,6 @@ struct TimedTrack {
   }
 };
 
-/// Ratios of the last intervals, sorted.
-std::vector<double> last_ratios(const TimedImpacts& track) {
-  std::vector<double> ratios;
-  for (std::size_t k = track.size(); k-- > 2 && ratios.size() < kDelay.most_ratios;)
-    if (track[k].impact - track[k - 2].impact == 2)
-      ratios.push_back((track[k].fit.t_s - track[k - 1].fit.t_s) / (track[k - 1].fit.t_s - track[k - 2].fit.t_s));
-  std::sort(ratios.begin(), ratios.end());
-  return ratios;
-}
-
 /// The flight that ends at impact k; where impacts are missing in it, its last part.
 double flight_before(const TimedImpacts& track, std::size_t k, double eps) {
   const auto n = static_cast<double>(track[k].impact - track[k - 1].impact);
@@ -49,19 +41,13 @@ double flight_before(const TimedImpacts& track, std::size_t k, double eps) {
 /// Coefficient of restitution of the next impact: the median of the last nine ratios of intervals, 0.3 ... 0.999;
 /// 0.97 where there is none.
 double predicted_eps(const TimedImpacts& track) {
-  const std::vector<double> ratios = last_ratios(track);
+  constexpr std::size_t kMost = 9;
+  std::vector<double> ratios;
+  for (std::size_t k = track.size(); k-- > 2 && ratios.size() < kMost;)
+    if (track[k].impact - track[k - 2].impact == 2)
+      ratios.push_back((track[k].fit.t_s - track[k - 1].fit.t_s) / (track[k - 1].fit.t_s - track[k - 2].fit.t_s));
   // at most 0.999, so that a geometric series of it has a finite sum
-  return ratios.empty() ? kDelay.default_eps : std::clamp(ratios[ratios.size() / 2], 0.3, 0.999);
-}
-
-/// How far the next interval may be from the predicted one, as a share of it: four standard deviations of the last
-/// ratios (from their quartiles), within 0.015 ... 0.06.
-double predicted_eps_reach(const TimedImpacts& track) {
-  constexpr double kQuartilesToSigma = 0.74;  // the quartiles of a normal distribution are 1.35 sigma apart
-  const std::vector<double> ratios = last_ratios(track);
-  if (ratios.size() < kDelay.fewest_ratios) return kDelay.most_eps_reach;
-  const double quartiles = ratios[3 * ratios.size() / 4] - ratios[ratios.size() / 4];
-  return std::clamp(4.0 * kQuartilesToSigma * quartiles, kDelay.least_eps_reach, kDelay.most_eps_reach);
+  return ratios.empty() ? 0.97 : std::clamp(upper_median(std::move(ratios)), 0.3, 0.999);
 }
 
 /// Where an impact without candidate is searched for, and what it must have to be accepted.
@@ -137,17 +123,10 @@ void fill_gap(TimedTrack& track, std::int64_t next_impact, double next_s) {
   while (track.impacts.back().impact + 1 < next_impact) {
     const std::int64_t impact = track.impacts.back().impact + 1;
     const double last_s = track.impacts.back().fit.t_s;
-    const double eps_reach = predicted_eps_reach(track.impacts);
-    const auto search_after = [&](double after_s) {
-      return search_missing(track, {impact, after_s, eps_reach * after_s, next_s, kDelay.least_in_gap});
-    };
     // a geometric series of intervals of the predicted eps, that together take the time to the next candidate
     const double eps = predicted_eps(track.impacts), n = static_cast<double>(next_impact - impact);
     const double first_s = (next_s - last_s) * (1.0 - eps) / (1.0 - pow(eps, n + 1.0));
-    const bool found = search_after(first_s) ||
-                       // the next candidate may be late: a knock, an echo
-                       (track.impacts.size() >= 3 && search_after(predict_next(track.impacts).t_s - last_s));
-    if (!found) return;
+    if (!search_missing(track, {impact, first_s, kDelay.eps_reach * first_s, next_s, kDelay.least_in_gap})) return;
   }
 }
 
@@ -169,11 +148,12 @@ void extend(TimedTrack& track, double end_s) {
 
 /// All places where the impact of a candidate may be: as far before it as the longest window in which a rise is found,
 /// and as far behind as a codec's noise goes before an attack.
-/// @param near  the best fit within its reach, with all places there
-ImpactFit find_everywhere(ImpactTimer& timer, double rise_s, const ImpactFit& near, const FarPlaces& most,
-                          double until_s) {
-  const double from_s = rise_s - std::min(kDelay.late_s, most.before_s),
-               to_s = rise_s + std::min(kDelay.pre_echo_s, most.after_s);
+/// @param near                     the best fit within its reach, with all places there
+/// @param most_before_s, _after_s  of the rise
+ImpactFit find_everywhere(ImpactTimer& timer, double rise_s, const ImpactFit& near, double most_before_s,
+                          double most_after_s, double until_s) {
+  const double from_s = rise_s - std::min(kDelay.late_s, most_before_s),
+               to_s = rise_s + std::min(kDelay.pre_echo_s, most_after_s);
   const double same_s = 1.0 / timer.rate_hz();
   ImpactFit far = near;
   const double step_s = timer.step_s();
@@ -232,10 +212,7 @@ void add_candidate(TimedTrack& track, const std::vector<Candidate>& candidates, 
   const bool is_alone = std::min(c.t_s - last_s, next_s - c.t_s) > track.timer.template_s();
   if (is_alone && !is_explained(track.timer, timed.fit)) {
     const auto alone = before_another_sound(track.timer, candidates, of_track.candidate, reach_s);
-    if (alone)
-      timed.fit = *alone;
-    else
-      timed.not_explained = FarPlaces{before_s, after_s};
+    timed.fit = alone ? *alone : find_everywhere(track.timer, c.t_s, timed.fit, before_s, after_s, next_s);
   }
   timed.overlap = next_s - c.t_s < track.timer.template_s();
   track.append(timed);
@@ -310,64 +287,6 @@ void end_where_improbable(std::vector<TimedImpact>& track) {
   while (track.size() > 3 && track.back().inferred && track.back().probability < kLeast) track.pop_back();
 }
 
-/// Where the intervals around an impact expect it.
-struct ExpectedPlace {
-  double t_s = 0.0;
-  double reach_s = 0.0;  ///< what is farther off is unexpected
-  double most_s = 0.0;   ///< what is farther off is a neighbour's
-};
-
-/// Absent at the ends of a track, and where it is too short to tell.
-std::optional<ExpectedPlace> expected_place(const std::vector<TimedImpact>& track, std::size_t k,
-                                            const ExpectedLogEps& log_eps) {
-  if (k == 0 || k + 1 == track.size() || log_eps.width == 0.0) return {};
-  const double before_s = track[k - 1].fit.t_s, after_s = track[k + 1].fit.t_s;
-  if (!(before_s < track[k].fit.t_s && track[k].fit.t_s < after_s)) return {};
-  // t = t_{k-1} + D / (1 + eps) between neighbours D apart
-  const double eps = exp(log_eps.centre), both_s = after_s - before_s;
-  const double t_s = before_s + both_s / (1.0 + eps);
-  return ExpectedPlace{t_s, kDelay.unexpected * both_s * eps / square(1.0 + eps) * log_eps.width,
-                       kDelay.most_of_interval * std::min(t_s - before_s, after_s - t_s)};
-}
-
-/// Adds, to each impact that is not where the intervals around it expect it, the places that the sound has where it is
-/// expected: its candidate may be another sound, or it was searched for beside a neighbour that was in the wrong place;
-/// and, where the template does not explain it, all far places. The sound then decides between all of them.
-/// @param timer  that knows no impact
-/// @param track  in time order
-/// @return whether an impact is at another place now
-bool add_predicted_places(ImpactTimer timer, std::vector<TimedImpact>& track) {
-  std::vector<double> t_s;
-  std::vector<bool> is_unexplained;
-  for (const TimedImpact& impact : track) {
-    t_s.push_back(impact.fit.t_s);
-    is_unexplained.push_back(impact.not_explained.has_value());
-  }
-  const std::vector<ExpectedLogEps> expected = expected_log_eps(track, t_s);
-  bool has_moved = false;
-  for (std::size_t k = 0; k < track.size(); ++k) {
-    TimedImpact& impact = track[k];
-    const double before_s = impact.fit.t_s;
-    const std::optional<ExpectedPlace> place = expected_place(track, k, expected[k]);
-    const bool is_there = place && std::abs(before_s - place->t_s) < place->reach_s;
-    // neighbours that expect it anywhere within so long exclude no other place; nor do such as are in the wrong place
-    // themselves, as codecs put a row of impacts
-    const bool is_known =
-        is_there && place->reach_s < kDelay.least_interval_s && !is_unexplained[k - 1] && !is_unexplained[k + 1];
-    if (impact.not_explained && !is_known) {
-      impact.fit = find_everywhere(timer, impact.rise_s, impact.fit, *impact.not_explained, impact.until_s);
-      impact.not_explained.reset();
-    }
-    if (place && !is_there) {
-      const ImpactFit found = timer.search(place->t_s, std::min(place->reach_s, place->most_s), track[k + 1].fit.t_s);
-      impact.fit = merged(with_fewer_places(impact.fit), with_fewer_places(found), 1.0 / timer.rate_hz());
-    }
-    has_moved = has_moved || impact.fit.t_s != before_s;
-    timer.subtract_from_later(track[k].fit);
-  }
-  return has_moved;
-}
-
 }  // namespace
 
 std::vector<TimedImpact> time_track(WhiteSound& white, const ImpactTemplate& learned, const Track& tracked,
@@ -380,8 +299,6 @@ std::vector<TimedImpact> time_track(WhiteSound& white, const ImpactTemplate& lea
     add_candidate(track, candidates, impact, next_time(tracked, candidates, k));
   }
   extend(track, end_s);
-  constexpr int kMaxTurns = 3;  // a wrong place moves what is expected of both neighbours
-  for (int turn = 0; turn < kMaxTurns && add_predicted_places(ImpactTimer(white, learned), track.impacts);) ++turn;
   std::vector<TimedImpact> timed = resolve_delays(ImpactTimer(white, learned), track.impacts);
   set_probabilities_of_inferred(candidates, timed);
   end_where_improbable(timed);

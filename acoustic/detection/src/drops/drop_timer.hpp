@@ -24,7 +24,6 @@ struct DropsModel {
   double sigma_of_reach = 0.25;   ///< standard error of a candidate's time over its reach, where there is no template
   std::size_t own_template = 12;  ///< impacts from which a drop has a template of its own, with noise 11 dB down
   double little_move = 0.2;       ///< standard errors, by which the last round of a separation moves no impact
-  double least_pulse = 0.1;       ///< of P; near its first zero the ratio of two pulses is undetermined
   double clearly_less = 0.5;      ///< of the error in a low band, which a whole band's must be to be taken
 
   // alignment of templates
@@ -101,14 +100,10 @@ void mark_clipped(const BandOfDrops& band, std::vector<TimedImpact>& impacts);
 
 /// Joint estimation of impacts whose sounds overlap: the amplitudes of all by linear least squares (Ringing), then
 /// the time of each flagged one with the sound of the others subtracted; in turns, until none moves by a fifth of its
-/// standard error. Slow impacts have longer contacts than those of the template and so fewer high frequencies: each is
-/// compared with the template times P(f tau_1 u) / P(f tau_1 u_0), P the spectrum of Hertz's pulse, u = v^(-1/5).
-/// @param law               tau_1_s 0 = the template as it is
-/// @param template_scaling  u_0, v^(-1/5) of the impacts that the template is the mean of
-/// @param impacts           of one track, in time order; v_mps 0 = the template as it is
+/// standard error.
+/// @param impacts  of one track, in time order
 /// @return whether there were any
-bool separate_overlaps(WhiteSound& white, const ImpactTemplate& learned, const ContactLaw& law, double template_scaling,
-                       std::vector<TimedImpact>& impacts);
+bool separate_overlaps(WhiteSound& white, const ImpactTemplate& learned, std::vector<TimedImpact>& impacts);
 
 /// Adds to a drop the impacts that only another band of the same sound shows: one band may hide in echoes, in clutter
 /// or in a codec's noise what another shows, above all at the end of a drop, and which of them was selected says

@@ -202,15 +202,12 @@ void estimate_subbands(TemplateEstimation& e) {
   ImpactTemplate& learned = e.learned;
   learned.subbands = split_into_subbands(learned.filter);
   const double quiet = estimate_noise(e);
-  for (int round = 0; round < 2; ++round) {
-    align(e, false);
-    std::vector<DelayEstimate> estimates;
-    for (const TrainingImpact& impact : e.training)
-      if (impact.is_averaged()) estimates.push_back(impact.estimate);
-    estimate_jitter(estimates, learned.filter, learned.subbands);
-    if (learned.subbands.n() < kTemplate.fewest_subbands) add_unexplained_jitter(e, quiet);
-    average(e);
-  }
+  align(e, false);
+  std::vector<DelayEstimate> estimates;
+  for (const TrainingImpact& impact : e.training)
+    if (impact.is_averaged()) estimates.push_back(impact.estimate);
+  estimate_jitter(estimates, learned.filter, learned.subbands);
+  if (learned.subbands.n() < kTemplate.fewest_subbands) add_unexplained_jitter(e, quiet);
 }
 
 /// Start of contact in the window: the first sample above a tenth of the peak.

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <span>
 #include <vector>
 
@@ -48,28 +47,20 @@ void innovations_of(std::span<const float> sound, const ArModel& model, std::spa
 /// rate)|^2).
 double quiet_psd(const ArModel& model, double rate_hz, double frequency_hz);
 
-/// A recording whitened as by read_innovations(), the same bytes, of which what was read last is kept: windows that
-/// overlap, or are read again, cost little more than one.
+/// A recording whitened as by read_innovations(), the same bytes. Keeps what it has read last, and as much around it:
+/// an impact is sought in windows that overlap.
 class WhiteSound {
  public:
-  /// Keeps 2^17 samples, the longest window that can be read.
   /// @param source  kept by reference
-  explicit WhiteSound(const audio::AudioSource& source);
+  explicit WhiteSound(const audio::AudioSource& source) : source_(source) {}
   const audio::AudioSource& source() const { return source_; }
-  /// Another whitener than the last one leaves nothing of what was kept.
   void read(const std::vector<float>& whitener, std::int64_t first, std::span<float> out);
 
  private:
-  /// Where in the memory a block is, in blocks; a block that has the same remainder may be there instead.
-  std::int32_t& place(std::int64_t block);
-  bool is_there(std::int64_t block);
-  void make_blocks(std::int64_t first, std::int64_t last);
-
   const audio::AudioSource& source_;
-  ArModel model_;
-  std::unique_ptr<float[]> memory_;    ///< blocks, as they were first read; all are dropped where it is full
-  std::vector<std::int64_t> numbers_;  ///< of the blocks there
-  std::vector<std::int32_t> places_;   ///< of a block at its number modulo how many there are
+  ArModel model_;  ///< that what is held was whitened by
+  std::int64_t first_ = 0;
+  std::vector<float> held_;
 };
 
 }  // namespace bouncelab::detection
