@@ -13,7 +13,8 @@ from support import Case, program, small_impacts, small_sound
 # options that only choose how the program prints, or that are other things in Python: files of results are written by
 # the results, a file of options is a dict, several samples are one table, parts of a run are processes of the program
 NOT_IN_PYTHON = {"help", "json", "quiet", "config", "out", "labels", "force", "list"}
-NOT_IN = {"simulate": {"write_surface"}, "synthesize": {"truth", "each_drop", "codec"}, "fit": {"table", "histograms", "columns"},
+NOT_IN = {"simulate": {"write_surface"}, "synthesize": {"truth", "each_drop", "codec"},
+          "fit": {"table", "histograms", "slopes", "columns"},
           # that draws no random numbers; from_csv takes what files are
           "restitution": {"seed", "threads", "as", "columns", "tier"}}
 IN_PYTHON = {"progress", "name"}

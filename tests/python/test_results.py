@@ -138,7 +138,7 @@ class FitResults(Case):
         self.fit.report(out, force=True)
         self.assertNotEqual(read(out), text)
         with self.assertRaises(OSError):
-            self.fit.report(self.path("none/r.html"))
+            self.fit.report(os.path.join(out, "r.html"))
         bl.Fit(self.fit._text).report(self.path("alone.html"))  # without samples and sound
 
     def test_texts(self):
