@@ -47,6 +47,7 @@ PARTS = {
     "loss of energy": {"kTracking.least_loss": -10},
     "unexplained sounds": {"kTracking.unexplained": 0},
     "echoes no clutter": {"kTracking.echo_s": 0},
+    "first impact anew": {"kTracking.known_after": NEVER},
     "power of the loudness": {"kTracking.loudness_exponent": 1, "kTracking.exponent_scatter": 1e-3},
     "lower bands": {"kTracking.lower_band": NEVER},
     "lower bands only where unclear": {"kChannels.explained": 2},

@@ -67,6 +67,7 @@ inline const std::vector<Number>& numbers() {
       N(kTracking.lower_band),
       N(kTracking.echo_s),
       N(kTracking.pre_echo_s),
+      N(kTracking.known_after),
       N(kCandidates.faint),
       N(kCandidates.independence),
       N(kChannels.explained),

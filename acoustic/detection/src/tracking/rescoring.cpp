@@ -78,32 +78,43 @@ OwnSounds own_sounds(const Observations& o, const Track& track, const std::vecto
   return own;
 }
 
-/// Impacts before the first may have cost odds before the ball was known: now they are looked for.
+/// The first impact was chosen before the ball was known, and those before it may have cost odds then: now it stands
+/// for choice again, and impacts before it are looked for.
 /// @param first_free  candidates before this one belong to the track before
-/// @return whether there are any
-bool extend_start(const Observations& o, std::size_t first_free, Track& track) {
+/// @return whether the track has changed
+bool re_estimate_start(const Observations& o, std::size_t first_free, Track& track) {
   const std::vector<Candidate>& c = o.candidates();
-  const std::size_t first_before = track.impacts[0].candidate;
+  const std::size_t first_before = track.impacts.front().candidate, n_before = track.impacts.size();
+  std::optional<std::size_t> given;
+  if (track.impacts.size() > kTracking.known_after && track.impacts[1].impact == track.impacts[0].impact + 1) {
+    given = track.impacts[0].candidate;
+    track.impacts.erase(track.impacts.begin());
+  }
   while (track.impacts[1].impact == track.impacts[0].impact + 1) {
     const std::optional<Expected> expected = expected_before(c, track);
     if (!expected) break;
     const std::vector<std::size_t> explained = explained_by(o, track);
     const std::size_t first = track.impacts[0].candidate;
     const double flight_s = c[track.impacts[1].candidate].t_s - c[first].t_s;
+    const auto odds_of = [&](std::size_t k) {
+      return log_odds_before(o.without(k, explained), o[first], o.same_source(k, first), flight_s, expected->log_eps,
+                             expected->scatter);
+    };
+    double best = given ? odds_of(*given) : 0.0;
+    std::size_t before = given.value_or(first);
     const double furthest_s = std::min(kLongestFlight_s, flight_s / kLeastEps);
-    double best = 0.0;
-    std::size_t before = first;
     for (std::size_t k = first; k-- > first_free && c[first].t_s - c[k].t_s < furthest_s;) {
-      const double odds = log_odds_before(o.without(k, explained), o[first], o.same_source(k, first), flight_s,
-                                          expected->log_eps, expected->scatter);
+      const double odds = odds_of(k);
       if (odds > best) best = odds, before = k;
     }
     if (before == first) break;
     track.impacts.insert(track.impacts.begin(), {before, track.impacts[0].impact - 1});
+    given.reset();
   }
+  if (given) track.impacts.insert(track.impacts.begin(), {*given, track.impacts[0].impact - 1});
   const std::int64_t shift = track.impacts.front().impact;
   for (TrackImpact& impact : track.impacts) impact.impact -= shift;
-  return track.impacts[0].candidate != first_before;
+  return track.impacts.size() != n_before || track.impacts.front().candidate != first_before;
 }
 
 /// Sounds among a track's that are like its own and about as loud, but not of it: a ball leaves none, a row of knocks
@@ -207,7 +218,7 @@ std::vector<Track> rescored(const Observations& o, std::vector<Track> tracks) {
         is_free = false;
     }
     if (!is_free) continue;
-    if (extend_start(o, first_free, track)) track.log_odds = log_odds_of(o, track, {}).ball_against_rhythm;
+    if (re_estimate_start(o, first_free, track)) track.log_odds = log_odds_of(o, track, {}).ball_against_rhythm;
     kept.push_back(std::move(track));
   }
   std::sort(kept.begin(), kept.end(), ends_before);

@@ -58,7 +58,8 @@ struct TrackingModel {
   /// Log odds by which a lower band must win: one ball in twelve is heard in it only, and the best of three is chosen.
   double lower_band = 2.5;
 
-  // impacts before a track whose ball is known
+  // a track whose ball is known: its first impact is chosen anew
+  std::size_t known_after = 6;     ///< impacts without the first
   std::size_t first_of_line = 10;  ///< coefficients that say what is expected before: by a line, which follows eps(v),
   std::size_t fewest_of_line = 5;  ///< or a mean of fewer than these
 
