@@ -86,7 +86,7 @@ function figure(name, title, caption, parent = page) {
   const section = element('section', {class: 'figure', id: name, 'aria-label': title}, element('h2', {}, title), element('p', {class: 'caption'}, caption), places,
                           element('div', {class: 'save'}, save('SVG', 'Save as SVG', async () => saved(name, 'svg', 'image/svg+xml', (await svgOf(document.getElementById(name))).svg)),
                                   save('PDF', 'Print this figure alone: choose "Save as PDF"', () => printOnly(name)),
-                                  save('CSV', 'Save what is drawn as a table', () => saved(name, 'csv', 'text/csv', csvOf(document.getElementById(name))))));
+                                  save('CSV', 'Save what is drawn as CSV', () => saved(name, 'csv', 'text/csv', csvOf(document.getElementById(name))))));
   parent.append(section);
   return places;
 }
