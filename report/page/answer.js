@@ -34,7 +34,7 @@ function recordingRows(parent, answer) {
   table(nounOfRows === 'plate' ? 'Plate by plate' : 'Recording by recording', [nounOfRows, 'ε', '95 %', 'speed', 'energy lost', 'impacts', 'height', 'bouncing', 'length'],
         rows.map(r => [shownName(r.recording) || '(no name)', r.at ? measured(r.at.eps, r.at.se) : r.missing || '–', interval(r.at && r.at.ci95), r.at ? speed(r.at.v_mps) : '–', percent(r.at && r.at.energy_lost),
                        number(r.seen.n_impacts), heightText(r.seen), timeText(r.seen.duration_s), timeText(lengthOf(r.recording))]),
-        'Each recording alone: ε with its standard error and 95 % range at that speed, energy lost in a bounce, height of the drop with its 95 % range, time from first to last impact, length of the recording. Heights only where the recording begins early enough for the first impact to be known as the first.' +
+        `Each ${nounOfRows} alone: ε with its standard error and 95 % range at that speed, energy lost in a bounce, height of the drop with its 95 % range, time from first to last impact, length of the recording. Heights only where the recording begins early enough for the first impact to be known as the first.` +
         (answer.recordings.length > rows.length ? ` The first ${rows.length} of ${answer.recordings.length}; all are in fit.json.` : ''), parent);
 }
 
