@@ -334,11 +334,13 @@ TEST(CompareCampaign, NamesOutliersAndLeavesThemOut) {
     for (double& eps : recordings[bad].summary.eps) eps += 4e-3;  // thirteen tau
   recordings[0].summary.n_left_out = 1;
   recordings[0].summary.n_outliers = 2;  // samples
+  recordings[1].summary.recording = "=1+1";
   const BetweenRecordings found = compare_campaign(recordings);
   EXPECT_EQ(found.n_outliers, 2u);
   const Table table = to_table(found, recordings);
   EXPECT_EQ(table.integers("n_left_out")->at(0), 1);
   EXPECT_EQ(table.integers("n_outliers")->at(0), 2);
+  EXPECT_EQ(table.texts("recording")->at(1), "'=1+1");  // a spreadsheet makes no 2 of it
   EXPECT_TRUE(found.rows[11].is_outlier);
   EXPECT_TRUE(found.rows[40].is_outlier);
   EXPECT_GT(found.rows[40].standardised, 8.0);

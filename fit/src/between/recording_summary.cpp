@@ -8,6 +8,8 @@
 #include <limits>
 #include <regex>
 #include <set>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "between/offset_model.hpp"
@@ -155,6 +157,15 @@ std::string iso_in_words(const RecordingDate& date) {
   return day_in_words(day.count()) + formatted("T%02d:%02d:%02d", rest / 3600, rest / 60 % 60, rest % 60);
 }
 
+namespace {
+
+/// A spreadsheet computes a cell that begins with one of these; an apostrophe before it makes it a text.
+std::string as_text(const std::string& name) {
+  return !name.empty() && std::string_view("=+-@").find(name.front()) != std::string_view::npos ? "'" + name : name;
+}
+
+}  // namespace
+
 Table to_table(const BetweenRecordings& between, const std::vector<CampaignRecording>& recordings) {
   constexpr double kNotKnown = std::numeric_limits<double>::quiet_NaN();
   const auto column_of = [&]<class T>(T, auto&& of) {
@@ -181,8 +192,8 @@ Table to_table(const BetweenRecordings& between, const std::vector<CampaignRecor
     const auto& known = recordings[k].origin.date;
     return known ? iso_in_words(*known) : std::string();
   };
-  return Table{{{"recording", texts([&](std::size_t k) { return summary(k).recording; })},
-                {"plate", texts([&](std::size_t k) { return recordings[k].origin.plate; })},
+  return Table{{{"recording", texts([&](std::size_t k) { return as_text(summary(k).recording); })},
+                {"plate", texts([&](std::size_t k) { return as_text(recordings[k].origin.plate); })},
                 {"date", texts(date)},
                 {"n", counts([&](std::size_t k) { return summary(k).n; })},
                 {"n_drops", counts([&](std::size_t k) { return summary(k).n_drops; })},
