@@ -35,7 +35,7 @@ struct Detector {
 Detector detector_of(const std::string& text) {
   static const std::regex named("([A-Za-z][A-Za-z0-9_.+-]*)=(.+)");
   std::smatch parts;
-  const Detector detector = std::regex_match(text, parts, named) ? Detector{parts[1], parts[2]} : Detector{text, text};
+  Detector detector = std::regex_match(text, parts, named) ? Detector{parts[1], parts[2]} : Detector{text, text};
   if (detector.command != "builtin" && detector.command.find("{wav}") == std::string::npos)
     throw InvalidArgument("--detector " + printable(text) + ": where in it is the recording? Write {wav} there");
   return detector;
