@@ -38,12 +38,13 @@ TEST_F(BadInput, OutputsThatExistOrCannotBeWritten) {
   const std::string simulate = "simulate --drops 1 --impacts 3 --asperities 100 --out ";
   expect_refused(simulate + "i.csv", 3, {"i.csv", "--force"});
   expect_refused(simulate + "i.csv/i.csv", 3, {"i.csv/i.csv"});
-  expect_refused(simulate + "nowhere/i.csv", 3, {"nowhere/i.csv"});
   expect_refused("loop --drops 1 --asperities 100 --out i.csv/loop", 3, {"i.csv/loop"});
   write("a.wav", float_wav(bouncing(12), 44100));
   expect_refused("analyze a.wav --out i.csv", 3, {"i.csv", "cannot be made (", "--out FOLDER"});
   EXPECT_EQ(run(simulate + "i.csv --force").exit_code, 0);
   EXPECT_NE(content("i.csv"), "mine");
+  EXPECT_EQ(run(simulate + "missing/folder/i.csv").exit_code, 0);
+  EXPECT_EQ(content("missing/folder/i.csv"), content("i.csv"));
 }
 
 TEST_F(BadInput, TruncatedRecordingIsReadUpToThereWithAWarning) {
