@@ -144,7 +144,7 @@ describe('the page', {skip: missing ?? false}, () => {
     assert.ok(!/\(--|times/.test(leads[0]), leads[0]);
     assert.match(await page.$eval('#answer', node => node.textContent), /18 % of the energy/);
     assert.ok(!/timing|From \d+ impacts/.test(await page.$eval('#result', node => node.innerText)), 'no times were measured');
-    assert.deepEqual(await page.$$eval('#downloads button', list => list.map(b => b.dataset.file)), ['report.html', 'samples.csv', 'fit.json']);
+    assert.deepEqual(await page.$$eval('#downloads button', list => list.map(b => b.dataset.file)), ['picture', 'report.html', 'samples.csv', 'fit.json']);
     assert.ok(await page.$eval('#sound-section', node => node.hidden));
     assert.match(await type('0.62 0.56 0.50 0.45', 'intervals', 's'), /^Read as intervals in s \(a row, blanks between\): 5 impacts in 1 drop/);
     await page.click('#typed summary');
