@@ -225,10 +225,10 @@ void check_usage(const ValidateOptions& options, const Run& run) {
 }
 
 /// Every detector on every recording; their marks are written.
-std::vector<DetectorResult> results_of(const ValidateOptions& options, const std::vector<Case>& cases,
-                                       const fs::path& marks_folder, const Run& run) {
+std::vector<DetectorResult> results_of(const ValidateOptions& options, const std::vector<Detector>& detectors,
+                                       const std::vector<Case>& cases, const fs::path& marks_folder, const Run& run) {
   std::vector<DetectorResult> results;
-  for (const Detector& detector : detectors_of(options)) results.push_back({detector, {}, {}, 0});
+  for (const Detector& detector : detectors) results.push_back({detector, {}, {}, 0});
   const ProgressCallback progress = progress_line(run, "validate", "recordings");
   for (std::size_t k = 0; k < cases.size(); ++k)
     for (std::size_t d = 0; d < results.size(); ++d) {
@@ -309,7 +309,7 @@ Outcome run_validate(const ValidateOptions& options, const Run& run) {
     read_truths();
   }
 
-  const std::vector<DetectorResult> results = results_of(options, cases, marks_folder, run);
+  const std::vector<DetectorResult> results = results_of(options, detectors, cases, marks_folder, run);
   write_table(run, folder / "scores.csv", table_of(cases, results), inputs);
   Outcome outcome;
   Values all, shown;

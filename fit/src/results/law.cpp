@@ -327,8 +327,7 @@ Description members_of(const FitResult*) {
       member<&F::budget>("budget", "Error budget, see below"),
       member<&F::dem_export>("hand_off",
                              "`null`, or `{v_mps, eps, se, gamma, ball, warning, missing}`: what `dem` makes inputs of "
-                             "discrete-element codes "
-                             "of"),
+                             "discrete-element codes of"),
       member<&F::density>("density",
                           "Counts of samples, of more than 400 (fewer are shown one by one): `v_edges_mps`, "
                           "`eps_edges`, `counts[eps bin][v bin]`, `n_outside`"),
