@@ -131,6 +131,30 @@ TEST(Synthesis, NoiseIsAsLoudAsTheSnrSays) {
   }
 }
 
+TEST(Synthesis, TheBoundIsThatOfTheRenderedSoundWithEchoesAndTail) {
+  for (const double level_db : {-300.0, -200.0, -60.0, -15.0, 15.0}) {  // -300: a piezo; -200: echoes alone
+    SynthesisConfig config = quiet();
+    config.lead_in_s = 0.02;
+    config.levels = Levels{1e-4, 1e-14, 1.0};
+    if (level_db >= -200.0) {
+      config.sensor = microphone();
+      config.sensor.reverberation.level_db = level_db;
+      config.channels = {Channel{0.1, 0.1, 0.2, 1.0}};
+    }
+    const auto instrument = make_instrument(config);
+    constexpr double kMove_samples = 0.05;  // error of the slope (omega 0.05)^2 / 6, at most 0.3 %
+    const auto at = [&](double offset_samples) {
+      return SyntheticRecording(impacts({0.01 + offset_samples / config.rate_hz}), config, instrument);
+    };
+    const std::vector<double> ahead = at(-kMove_samples).samples(), behind = at(kMove_samples).samples();
+    double energy = 0.0;
+    for (std::size_t k = 0; k < ahead.size(); ++k)
+      energy += std::pow((ahead[k] - behind[k]) / (2.0 * kMove_samples), 2);
+    const double bound_s = config.levels->noise_rms / (config.rate_hz * std::sqrt(energy));
+    EXPECT_NEAR(at(0.0).truth()[0].sigma_t_s / bound_s, 1.0, 0.01) << level_db;
+  }
+}
+
 /// Rms error of a matched filter that knows the wave and whitens the noise, over the bound that the truth states.
 double matched_filter_error_over_bound(double corner_hz, int n_trials) {
   SynthesisConfig config = quiet();

@@ -98,7 +98,8 @@ std::vector<double> StrikeSound::peaks(std::span<const Strike> strikes) const {
 }
 
 TrueImpact StrikeSound::true_impact(const Strike& strike, const ContactWave& sound) const {
-  const WaveMeasure wave = instrument_->meter().measure(sound, whitening_);
+  WaveMeasure wave = instrument_->meter().measure(sound, whitening_);
+  if (has_room()) wave.slope_energy = slope_energy_in_room(strike, sound);
   TrueImpact row;
   row.drop = strike.drop;
   row.impact = strike.impact;
@@ -234,7 +235,43 @@ template <class T>
   }
 }
 
+/// dy per sample of a wave, as a wave.
+ContactWave slope_of(ContactWave wave, const ResonatorBank& bank) {
+  wave.samples = std::move(wave.slopes);
+  for (std::size_t p = 0; p < bank.size(); ++p)
+    wave.ringing.set(p, wave.ringing[p] * bank.poles_per_s()[p] / bank.rate_hz());
+  return wave;
+}
+
 }  // namespace
+
+double StrikeSound::slope_energy_in_room(const Strike& strike, const ContactWave& direct) const {
+  constexpr double kLeast = 1e-5;  // of the largest slope: of the energy its square counts
+  const ResonatorBank& bank = instrument_->bank();
+  const ReverberationTail& tail = instrument_->tail();
+  double largest = 0.0;
+  for (const double slope : direct.slopes) largest = std::max(largest, std::abs(slope));
+  const std::int64_t n_blocks = (direct.end() - direct.first) / kBlock + 1;  // its end is the end of one
+  StrikeRinging slopes(bank, kLeast * largest, direct.end() - n_blocks * kBlock);
+  // until ringing (that falls by 220 dB in its memory) and tail (180 dB) are 30 dB down: a thousandth of their energy
+  const std::int64_t n_frames = direct.end() - direct.first + (bank.memory_frames() + tail.memory_frames()) / 6 +
+                                static_cast<std::int64_t>(largest_delay_s() * bank.rate_hz());
+  const Wave wave = wave_at(measured_channel_, strike);
+  slopes.add(slope_of(direct, bank));
+  for (const Echo& echo : config_.sensor.echoes) {
+    Contact late = contact(measured_channel_, strike);
+    late.arrival_samples += echo.delay_s * config_.rate_hz;
+    late.impulse *= echo.gain;
+    slopes.add(slope_of(wave(late, true), bank));
+  }
+  std::vector<double> all(static_cast<std::size_t>((n_frames / kBlock + 2) * kBlock), 0.0);
+  slopes.add_next(std::span(all));
+  tail.add_to(all);
+  whitening_.noise.whiten(all);
+  double energy = 0.0;
+  for (const double slope : all) energy += slope * slope;
+  return energy;
+}
 
 Renderer::Renderer(const SynthesisConfig& config, const StrikeSound& sound, const Schedule& schedule,
                    const Levels& levels, const std::vector<ContactWave>& known)

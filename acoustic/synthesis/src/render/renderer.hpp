@@ -47,6 +47,9 @@ class StrikeSound {
   PoleValues amplitudes(std::size_t channel, const Strike& strike) const;
   std::shared_ptr<const PointResponse> response(std::size_t channel, const Strike& strike) const;
   TrueImpact true_impact(const Strike& strike, const ContactWave& wave) const;
+  bool has_room() const { return !config_.sensor.echoes.empty() || instrument_->tail().is_audible(); }
+  /// WaveMeasure::slope_energy of a strike with its echoes and the tail. @param direct  with slopes
+  double slope_energy_in_room(const Strike& strike, const ContactWave& direct) const;
 
   struct Place {
     std::size_t channel;

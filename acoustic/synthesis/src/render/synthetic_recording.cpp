@@ -130,22 +130,24 @@ Onsets onsets_of_truth(const std::vector<TrueImpact>& truth, const std::string& 
 
 const RowColumns<TrueImpact>& columns_of(const TrueImpact*) {
   using T = TrueImpact;
-  static const RowColumns<T> all{column("drop", &T::drop, "Number of the drop"),
-                                 column("impact", &T::impact, "Number of the impact within its drop"),
-                                 column("t_s", &T::t_s, "Start of contact at the plate, exact"),
-                                 column("sigma_t_s", &T::sigma_t_s,
-                                        "Cramér-Rao bound: the least standard error of any unbiased detector that "
-                                        "knows the waveform; no error of `t_s` here, which is exact"),
-                                 column("amplitude", &T::amplitude,
-                                        "Peak of the impact's sound, full scale = 1, before clipping and gain control"),
-                                 column("snr_db", &T::snr_db, "`amplitude` over the noise rms [dB]"),
-                                 column("flags", &T::flags, "`clipped` where the sound reaches full scale"),
-                                 column("contact_time_s", &T::contact_time_s, "Hertzian contact time"),
-                                 column("travel_time_s", &T::travel_time_s,
-                                        "The sound begins at `t_s + travel_time_s` at the (first live) sensor"),
-                                 column("x_m", &T::x_m, "Point of contact on the plate, along x"),
-                                 column("y_m", &T::y_m, "Likewise, along y"),
-                                 column("v_mps", &T::v_mps, "Normal impact speed")};
+  static const RowColumns<T> all{
+      column("drop", &T::drop, "Number of the drop"),
+      column("impact", &T::impact, "Number of the impact within its drop"),
+      column("t_s", &T::t_s, "Start of contact at the plate, exact"),
+      column("sigma_t_s", &T::sigma_t_s,
+             "Cramér-Rao bound: the least standard error of any unbiased detector that "
+             "knows the waveform, with echoes and tail of a microphone's room; no error of `t_s` here, "
+             "which is exact"),
+      column("amplitude", &T::amplitude,
+             "Peak of the impact's sound, full scale = 1, before clipping and gain control"),
+      column("snr_db", &T::snr_db, "`amplitude` over the noise rms [dB]"),
+      column("flags", &T::flags, "`clipped` where the sound reaches full scale"),
+      column("contact_time_s", &T::contact_time_s, "Hertzian contact time"),
+      column("travel_time_s", &T::travel_time_s,
+             "The sound begins at `t_s + travel_time_s` at the (first live) sensor"),
+      column("x_m", &T::x_m, "Point of contact on the plate, along x"),
+      column("y_m", &T::y_m, "Likewise, along y"),
+      column("v_mps", &T::v_mps, "Normal impact speed")};
   return all;
 }
 

@@ -118,11 +118,11 @@ struct SynthesisConfig {
 struct TrueImpact {
   std::int64_t drop = 0;
   std::int64_t impact = 0;
-  double t_s = 0.0;             ///< begin of contact at the plate, from the first sample; what eq. 2 of the paper needs
-  double sigma_t_s = 0.0;       ///< Cramer-Rao bound of t_s for the known wave, this impact alone; gain control, which
-                                ///< scales sound and noise alike, leaves it as it is
-  double amplitude = 0.0;       ///< clean peak before gain control, full scale = 1
-  double snr_db = 0.0;          ///< amplitude over noise rms
+  double t_s = 0.0;        ///< begin of contact at the plate, from the first sample; what eq. 2 of the paper needs
+  double sigma_t_s = 0.0;  ///< Cramer-Rao bound of t_s for the known wave, with echoes and tail, this impact alone;
+                           ///< gain control, which scales sound and noise alike, leaves it as it is
+  double amplitude = 0.0;  ///< clean peak of the direct sound before gain control, full scale = 1
+  double snr_db = 0.0;     ///< amplitude over noise rms
   double contact_time_s = 0.0;  ///< of the ball on the ground, core/ball.hpp
   double travel_time_s = 0.0;   ///< the sound begins at t_s + travel_time_s, which is what a detector finds
   double x_m = 0.0, y_m = 0.0;  ///< point of contact
