@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 #include <utility>
 
 #include "bouncelab/core/elementary.hpp"
@@ -18,6 +19,7 @@ std::optional<double> ratio(double numerator, double denominator) {
   return denominator > 0.0 ? std::optional(numerator / denominator) : std::nullopt;
 }
 
+/// @param values  not empty
 double root_mean_square(const std::vector<double>& values) {
   double sum = 0.0;
   for (const double value : values) sum += value * value;
@@ -117,12 +119,15 @@ std::optional<double> offset_of(const Times& truth, const Times& marked) {
 /// What a + b v^(-1/5) leaves of the errors, with a constant a for each group, where far-off ones count less: weighted
 /// least squares in turns with weights 1/sqrt(1 + (error / twice their typical size)^2).
 /// @param scaling  v^(-1/5); empty: b is 0
+/// @return empty where they leave fewer than two errors to themselves: what is fitted through is no jitter
 std::vector<double> beyond_contact_law(const std::vector<double>& errors, const std::vector<double>& scaling,
                                        const std::vector<std::int64_t>& groups) {
-  constexpr std::size_t kEnough = 4;  // for two constants
+  constexpr std::size_t kLeastFree = 2;
+  const std::size_t n_constants = std::set<std::int64_t>(groups.begin(), groups.end()).size();
+  if (errors.size() < n_constants + kLeastFree) return {};
   constexpr int kRounds = 20;
   constexpr double kLeast_s = 2e-15;  // so that nothing is divided by 0
-  const bool has_law = !scaling.empty() && errors.size() >= kEnough;
+  const bool has_law = !scaling.empty() && errors.size() > n_constants + kLeastFree;
   struct Means {
     double w = 0.0, u = 0.0, e = 0.0;
   };
@@ -201,20 +206,23 @@ void score_errors(const TrueTimes& truth, const Onsets& marked, DetectorScore& s
     if (!truth.v_mps.empty()) scaling.push_back(pow(truth.v_mps[k], -0.2));
     if (truth.onsets[k].sigma_t_s) bounds.push_back(*truth.onsets[k].sigma_t_s);
   }
-  score.jitter_s = root_mean_square(errors);
-  score.typical_s = kSdOverMad * median_size(errors);
-  const std::vector<std::int64_t> one_group(errors.size(), 0);
-  if (!scaling.empty()) score.within_law_s = root_mean_square(beyond_contact_law(errors, scaling, one_group));
   const std::vector<double> within_drops = beyond_contact_law(errors, scaling, drops);
-  score.within_drops_s = root_mean_square(within_drops);
-  if (bounds.size() == errors.size()) {
-    score.bound_s = root_mean_square(bounds);
-    score.bound_ratio = ratio(score.within_law_s.value_or(*score.jitter_s), *score.bound_s);
-    score.bound_ratio_within_drops = ratio(*score.within_drops_s, *score.bound_s);
+  if (constexpr std::size_t kLeastPairs = 3; errors.size() >= kLeastPairs) {  // of one or two, the offset takes all
+    score.jitter_s = root_mean_square(errors);
+    score.typical_s = kSdOverMad * median_size(errors);
+    const std::vector<std::int64_t> one_group(errors.size(), 0);
+    if (!scaling.empty()) score.within_law_s = root_mean_square(beyond_contact_law(errors, scaling, one_group));
+    if (!within_drops.empty()) score.within_drops_s = root_mean_square(within_drops);
+    if (bounds.size() == errors.size()) {
+      score.bound_s = root_mean_square(bounds);
+      score.bound_ratio = ratio(score.within_law_s.value_or(*score.jitter_s), *score.bound_s);
+      if (score.within_drops_s) score.bound_ratio_within_drops = ratio(*score.within_drops_s, *score.bound_s);
+    }
   }
+  const std::vector<double>& rest = within_drops.empty() ? errors : within_drops;
   std::vector<std::optional<double>> error_of_each(truth.onsets.size());
   for (std::size_t k = 0, n = 0; k < truth.onsets.size(); ++k)
-    if (score.match[k]) error_of_each[k] = within_drops[n++];
+    if (score.match[k]) error_of_each[k] = rest[n++];
   score_neighbours(truth.onsets, marked, error_of_each, score);
 }
 
@@ -341,7 +349,7 @@ Description members_of(const DetectorScore*) {
           "n_marked", [](const S& s) { return s.agreement[0].n_marked; }, "Marks"),
       computed(
           "n_found", [](const S& s) { return s.agreement[kJitterTolerance].n_found; },
-          "Pairs of both within 1 ms, one to one; the others are missed, and invented"),
+          "Pairs of both within 5 ms, one to one; the others are missed, and invented"),
       agreement<0, &Agreement::precision>("precision_50ms",
                                           "Share of the marks that lie within 50 ms of an impact of their own"),
       agreement<0, &Agreement::recall>("recall_50ms", "Share of the impacts that have such a mark"),
@@ -359,7 +367,9 @@ Description members_of(const DetectorScore*) {
       agreement<3, &Agreement::recall>("recall_0.1ms", "Share of the impacts that have such a mark"),
       agreement<3, &Agreement::f_measure>("f_0.1ms", "Harmonic mean of both"),
       member<&S::offset_s>("offset_s", "Median of marked less true time, a latency, which cancels in intervals"),
-      member<&S::jitter_s>("jitter_s", "Root mean square of marked less true time, less the offset"),
+      member<&S::jitter_s>(
+          "jitter_s",
+          "Root mean square of marked less true time, less the offset, of these pairs within 5 ms, three at least"),
       member<&S::typical_s>("typical_s",
                             "1.4826 times the median of their sizes: a standard deviation without outliers"),
       member<&S::within_law_s>(

@@ -167,6 +167,59 @@ TEST_F(ValidateCommand, VariesTheSeedAndWritesEachRecordingsOwnValues) {
   EXPECT_THAT(content("o/recordings/snr-db_30.wav.meta.json"), HasSubstr("\"snr-db\": \"30\""));
 }
 
+TEST_F(ValidateCommand, TakesWhatStandsBeforeTheFirstEqualsSignForANameOnlyWhereItIsOne) {
+  make_recording();
+  write("a.sh", "echo 1\n");
+  const std::vector<Json> found =
+      result_of(kOnIt +
+                "--detector '2nd-try_1.0+=sh a.sh --x=3 {wav}' --detector 'sh a.sh --x=3 {wav}' "
+                "--detector 'env X=3 sh a.sh {wav}' --detector 'sh a.sh {wav} x=3'")["detectors"]
+          .elements();
+  ASSERT_EQ(found.size(), 4U);
+  EXPECT_EQ(found[0]["detector"], "2nd-try_1.0+");
+  EXPECT_EQ(found[0]["command"], "sh a.sh --x=3 {wav}");
+  for (const Json& one : found) EXPECT_EQ(one["recordings"][0]["failure"], "") << one["detector"];
+  for (const char* name : {"my own", "it\"s", "Prüfung", "a/b", ""})
+    expect_refused("validate " + kOnIt + "--detector '" + name + "=sh a.sh {wav}'", 2, {"a name?", "NAME='COMMAND'"});
+  for (const char* word : {"\"{wav}\"", "{wav} \"{out}.csv\""})
+    expect_refused("validate " + kOnIt + "--detector 'sh a.sh " + word + "'", 2, {"leave the quotes around {"});
+}
+
+TEST_F(ValidateCommand, AsksForSecondsWhereTimesAreOfAnotherUnit) {
+  write("truth.csv", "t_s\n1\n1.5\n1.9\n");
+  write("ms.txt", "1001\n1501\n1901\n");
+  write("samples.txt", "48000\n72000\n");
+  expect_one_line_error(run("validate --marks ms.txt --truth truth.csv"), 2, {"ms.txt", "1 to 1.9 s; milliseconds?"});
+  expect_one_line_error(run("validate --marks truth.csv --truth ms.txt"), 2, {"ms.txt", "which are milliseconds?"});
+  const Result result = run("validate --marks samples.txt --truth truth.csv");
+  expect_one_line_error(result, 2, {"samples.txt", "1 to 1.9 s"});
+  EXPECT_THAT(result.err, Not(HasSubstr("milliseconds")));
+  make_recording();
+  write("ms.sh", "echo 1000; echo 1500\n");
+  const Json found = result_of(kOnIt + "--detector 'sh ms.sh {wav}' --detector builtin");
+  EXPECT_THAT(found["detectors"][0]["recordings"][0]["failure"].text(), HasSubstr("; milliseconds?"));
+}
+
+TEST_F(ValidateCommand, WarnsOfStandardErrorsThatAreNone) {
+  write("truth.csv", "t_s\n1\n1.5\n1.9\n");
+  write("marks.txt", "1 1e-6\n1.5 0\n1.9 -1\n");
+  const Result result = run("validate --marks marks.txt --truth truth.csv");
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_THAT(result.err, HasSubstr("marks.txt: 2 of 3 standard errors are not above 0; they are not scored"));
+  EXPECT_THAT(result.out, AllOf(HasSubstr("3/3"), HasSubstr("CPU s\n"), HasSubstr("-\n")));
+}
+
+TEST_F(ValidateCommand, NamesACommandThatCanBeTypedWhereATableDoesNotProveWhatItHolds) {
+  write("truth.csv", "t_s\n.4\n1\n1.51\n");
+  write("t.csv", "time,e\n400,1\n1000,1\n1510,2\n");
+  const Result asked = run("validate --marks t.csv --truth truth.csv");
+  EXPECT_EQ(asked.exit_code, 2);
+  const std::string remedy = "convert t.csv --as times --unit ms --columns t=time --to t.csv.times.csv";
+  EXPECT_THAT(asked.err, HasSubstr(": bouncelab " + remedy + "\n"));
+  EXPECT_EQ(run(remedy).exit_code, 0);
+  EXPECT_EQ(result_of("--marks t.csv.times.csv --truth truth.csv")["f_0.1ms"], 1.0);
+}
+
 TEST_F(ValidateCommand, RefusesWhatCannotWork) {
   write("truth.csv", "t_s\n1\n");
   write("list.toml", "time_limit = [1, 2]\n");

@@ -213,22 +213,35 @@ int fail(const std::string& message, int exit_code, bool json) {
               : exit_code;
 }
 
-/// The columns of a table that does not prove what it holds, and the command that was typed with each answer.
+/// Can what a table holds be said to the command that was typed?
+bool takes_columns(const std::vector<std::string>& line) {
+  const std::vector<Command> all = all_commands();
+  const Command* command = command_named(all, in_full({line.begin() + 1, line.end()}).front());
+  return command != nullptr && option_named(command->sections, "columns");
+}
+
+/// The columns of a table that does not prove what it holds, and the command that was typed with each answer; that
+/// which makes times of it where the one that was typed takes no answer.
 void say_readings(const AmbiguousTable& table, const std::vector<std::string>& line) {
   std::size_t widest = 0;
   for (const AmbiguousTable::Column& column : table.columns()) widest = std::max(widest, column.title.size());
   for (const AmbiguousTable::Column& column : table.columns())
     say("    " + column.title + std::string(widest - column.title.size() + 2, ' ') + column.first_cells + " ...");
-  std::string command = "bouncelab";
-  for (std::size_t k = 1; k < line.size(); ++k) {
-    const bool is_answer = line[k] == "--as" || line[k] == "--unit" || line[k] == "--columns";
-    if (is_answer)
-      ++k;
-    else
-      command += " " + shell_word(line[k]);
+  std::string command = "bouncelab", out;
+  if (takes_columns(line)) {
+    for (std::size_t k = 1; k < line.size(); ++k) {
+      const bool is_answer = line[k] == "--as" || line[k] == "--unit" || line[k] == "--columns";
+      if (is_answer)
+        ++k;
+      else
+        command += " " + shell_word(line[k]);
+    }
+  } else {
+    command += " convert " + shell_word(table.file());
+    out = " --to " + shell_word(table.file() + ".times.csv");
   }
   for (const AmbiguousTable::Reading& reading : table.readings())
-    say("  " + reading.meaning + ": " + command + " " + command_line_of(reading.options));
+    say("  " + reading.meaning + ": " + command + " " + command_line_of(reading.options) + out);
 }
 
 /// @return the exit code, after one line of what went wrong
@@ -246,7 +259,8 @@ int run_and_report(const std::vector<std::string>& line) {
     return fail("bouncelab: " + std::string(error.what()), kFileError, json);
   } catch (const AmbiguousTable& error) {
     const int exit_code =
-        fail("bouncelab: " + (json ? std::string(error.what()) : error.question()), kWrongUsage, json);
+        fail("bouncelab: " + (json && takes_columns(line) ? std::string(error.what()) : error.question()), kWrongUsage,
+             json);
     say_readings(error, line);
     return exit_code;
   } catch (const InvalidArgument& error) {

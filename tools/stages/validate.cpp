@@ -31,11 +31,21 @@ struct Detector {
   std::string name, command;
 };
 
-/// NAME=COMMAND, or a command that is its own name.
+/// NAME=COMMAND, or a command that is its own name: it has no = but in an option, behind a {place} or after env.
+/// @throws InvalidArgument where it may be either
 Detector detector_of(const std::string& text) {
-  static const std::regex named("([A-Za-z][A-Za-z0-9_.+-]*)=(.+)");
+  static const std::regex named("([A-Za-z0-9_.+-]+)=([^]+)"), unnamed("(env |[^=]*(\\{| -))[^]*");
   std::smatch parts;
-  Detector detector = std::regex_match(text, parts, named) ? Detector{parts[1], parts[2]} : Detector{text, text};
+  const bool has_name = std::regex_match(text, parts, named);
+  if (!has_name && text.find('=') != std::string::npos && !std::regex_match(text, unnamed))
+    throw InvalidArgument("--detector " + printable(text) +
+                          ": is what stands before = a name? Names have letters, digits and _ . + - only; name a "
+                          "command that has = in it: NAME='COMMAND'");
+  Detector detector = has_name ? Detector{parts[1], parts[2]} : Detector{text, text};
+  static const std::regex quoted("([\"'])\\{(wav|out)\\}[^\"' ]*\\1");
+  if (std::regex_search(detector.command, parts, quoted))
+    throw InvalidArgument("--detector " + printable(text) + ": leave the quotes around {" + parts[2].str() +
+                          "} away; its name is quoted where it needs that");
   if (detector.command != "builtin" && detector.command.find("{wav}") == std::string::npos)
     throw InvalidArgument("--detector " + printable(text) + ": where in it is the recording? Write {wav} there");
   return detector;
@@ -94,21 +104,22 @@ std::vector<double> seconds_of(const Onsets& onsets) {
   return times;
 }
 
-constexpr std::size_t kShown = 1;  // of the tolerances of DetectorScore::agreement: 5 ms
+constexpr std::size_t kShown = loop::kJitterTolerance;  // of DetectorScore::agreement: 5 ms
 
 /// A table's head for the terminal.
 std::string heading(const std::string& first) {
-  return fmt::format("{:<28}{:>8}{:>11}{:>7}{:>11}{:>11}{:>9}{:>10}\n", first, "recall", "precision", "F", "offset us",
-                     "jitter us", "x bound", "CPU s");
+  return fmt::format("{:<28}{:>11}{:>8}{:>11}{:>7}{:>11}{:>11}{:>9}{:>8}\n", first, "found", "recall", "precision", "F",
+                     "offset us", "jitter us", "x bound", "CPU s");
 }
 
 std::string line_of(const std::string& name, const loop::DetectorScore& s) {
   const auto& within_5ms = s.agreement[kShown];
-  return fmt::format("{:<28}{:>8}{:>11}{:>7}{:>11}{:>11}{:>9}{:>10}\n", shortened(name),
+  return fmt::format("{:<28}{:>11}{:>8}{:>11}{:>7}{:>11}{:>11}{:>9}{:>8}\n", shortened(name),
+                     fmt::format("{}/{}", within_5ms.n_found, within_5ms.n_true),
                      number(within_5ms.recall(), 1.0, "{:.3f}"), number(within_5ms.precision(), 1.0, "{:.3f}"),
                      number(within_5ms.f_measure(), 1.0, "{:.3f}"), number(s.offset_s, 1e-6, "{:.4g}"),
                      number(s.within_drops_s, 1e-6, "{:.3g}"), number(s.bound_ratio_within_drops, 1.0, "{:.5g}"),
-                     number(s.processor_s, 1.0, "{:.3g}"));
+                     s.processor_s > 0.0 ? fmt::format("{:.3g}", s.processor_s) : "-");
 }
 
 /// A row for each detector; the scores by setting and by recording are in the files.
@@ -118,6 +129,17 @@ std::string text_of(const std::vector<Case>& cases, const std::vector<DetectorRe
   for (const DetectorResult& result : results)
     if (const std::optional<double> rate = result.all.invented_per_hour())
       text += fmt::format("{}: {:.3g} onsets an hour where no ball is\n", result.detector.name, *rate);
+  for (const DetectorResult& result : results) {  // the offset above is their median
+    std::optional<double> least_s, most_s;
+    for (const Marks& marks : result.marks)
+      if (const std::optional<double> offset_s = marks.score.offset_s) {
+        least_s = std::min(least_s.value_or(*offset_s), *offset_s);
+        most_s = std::max(most_s.value_or(*offset_s), *offset_s);
+      }
+    if (least_s && result.all.within_drops_s && *most_s - *least_s > *result.all.within_drops_s)
+      text += fmt::format("{}: offsets of recordings from {:.4g} to {:.4g} us, further apart than its jitter\n",
+                          result.detector.name, *least_s / 1e-6, *most_s / 1e-6);
+  }
   for (const DetectorResult& result : results)
     if (result.n_failed > 0)
       text += fmt::format("{}: failed in {} of {} recordings, whose impacts count as missed\n", result.detector.name,
@@ -187,6 +209,41 @@ Values worst_of(const std::vector<Case>& cases, const DetectorResult& result) {
   return worst;
 }
 
+/// One line where standard errors of marks are none, which the scores pass over.
+void note_errors(const std::string& detector, const std::vector<const Onsets*>& marked, std::vector<Note>& notes) {
+  std::size_t n = 0, n_stated = 0;
+  for (const Onsets* onsets : marked)
+    for (const Onset& onset : *onsets) {
+      n_stated += onset.sigma_t_s ? 1 : 0;
+      n += onset.sigma_t_s && !(*onset.sigma_t_s > 0.0) ? 1 : 0;
+    }
+  if (n == 0) return;
+  notes.push_back({NoteKind::of_file,
+                   {},
+                   fmt::format("{}: {} of {} standard errors are not above 0; they are not scored", printable(detector),
+                               n, n_stated)});
+}
+
+/// @throws InvalidArgument where no mark can belong to a true time: they have another unit, or another begin
+void check_same_time(const loop::TrueTimes& truth, const Onsets& marks, const ValidateOptions& options) {
+  if (truth.onsets.empty() || marks.empty()) return;
+  constexpr double kAside_s = 1.0;
+  const std::vector<double> true_s = seconds_of(truth.onsets), marked_s = seconds_of(marks);
+  const auto share_unit = [](const std::vector<double>& times_s, double unit_s, const std::vector<double>& others_s) {
+    const auto [first, last] = std::minmax_element(others_s.begin(), others_s.end());
+    return std::any_of(times_s.begin(), times_s.end(), [&, from = *first, to = *last](double t) {
+      return unit_s * t >= from - kAside_s && unit_s * t <= to + kAside_s;
+    });
+  };
+  if (share_unit(marked_s, 1.0, true_s)) return;
+  const auto [first, last] = std::minmax_element(true_s.begin(), true_s.end());
+  throw InvalidArgument(fmt::format("{}: no time is near those of {}, {:g} to {:g} s{}", printable(options.marks),
+                                    printable(options.truth), *first, *last,
+                                    share_unit(marked_s, 1e-3, true_s)   ? "; milliseconds? Give seconds"
+                                    : share_unit(true_s, 1e-3, marked_s) ? ", which are milliseconds? Give seconds"
+                                                                         : ""));
+}
+
 /// Times that exist already, one file against another.
 Outcome run_marks(const ValidateOptions& options) {
   if (options.truth.empty()) throw InvalidArgument("--marks: name the file of the true times with --truth");
@@ -194,10 +251,12 @@ Outcome run_marks(const ValidateOptions& options) {
   loop::TrueTimes truth = read_times(options.truth, taken_for);
   if (options.offset_only) truth.v_mps.clear();
   const Onsets marks = read_marks(options.marks, taken_for);
+  check_same_time(truth, marks, options);
   const loop::DetectorScore score = score_of(truth, marks, 0.0, 0.0, options.annotated_only);
   Outcome outcome;
   outcome.result = object_of(score);
-  outcome.text = heading("") + line_of(fs::path(options.marks).filename().string(), score);
+  outcome.text = heading("within 5 ms") + line_of(fs::path(options.marks).filename().string(), score);
+  note_errors(options.marks, {&marks}, outcome.notes);
   for (const std::string& one : taken_for) outcome.notes.push_back({NoteKind::of_file, {}, one});
   return outcome;
 }
@@ -327,6 +386,11 @@ Outcome run_validate(const ValidateOptions& options, const Run& run) {
   write_text(run, folder / "report.html", report::render(page), inputs);
   outcome.text = text_of(cases, results) + "Report: " + (folder / "report.html").string() + "\n";
   for (const std::string& one : taken_for) outcome.notes.push_back({NoteKind::of_file, {}, one});
+  for (const DetectorResult& result : results) {
+    std::vector<const Onsets*> marked;
+    for (const Marks& marks : result.marks) marked.push_back(&marks.onsets);
+    note_errors(result.detector.name, marked, outcome.notes);
+  }
   for (const DetectorResult& result : results)
     for (std::size_t k = 0; k < cases.size(); ++k)
       if (const std::string& failure = result.marks[k].failure; !failure.empty())

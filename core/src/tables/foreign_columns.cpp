@@ -25,6 +25,7 @@ AmbiguousTable::AmbiguousTable(const std::string& file, const std::string& quest
               (k == 0 ? "; say " : " or ") + command_line_of(readings[k].options) + " (" + readings[k].meaning + ")";
         return text;
       }()),
+      file_(file),
       question_(printable(file) + ": " + question),
       columns_(std::move(columns)),
       readings_(std::move(readings)) {}

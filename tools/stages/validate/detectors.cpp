@@ -127,14 +127,22 @@ double duration_of(const fs::path& sound) {
   return static_cast<double>(format.n_frames) / format.rate_hz;
 }
 
+/// A question, where times far beyond a recording's end are within it if they are a thousandth of what they say.
+const char* may_be_milliseconds(const Onsets& onsets, double duration_s) {
+  constexpr double kFar = 10.0;
+  const auto [first, last] = std::ranges::minmax(onsets, {}, &Onset::t_s);
+  return first.t_s >= 0.0 && last.t_s > kFar * duration_s && 1e-3 * last.t_s <= duration_s ? "; milliseconds?" : "";
+}
+
 /// @throws InvalidArgument where a time is not within the recording
 void put_in_order(Onsets& onsets, double duration_s) {
   std::stable_sort(onsets.begin(), onsets.end(), [](const Onset& a, const Onset& b) { return a.t_s < b.t_s; });
   constexpr double kBeyond_s = 1.0;  // a detector may have a latency
-  if (!onsets.empty() && (onsets.front().t_s < -kBeyond_s || onsets.back().t_s > duration_s + kBeyond_s))
-    throw InvalidArgument(fmt::format("{:g} s is no time of a recording of {:g} s",
-                                      onsets.front().t_s < -kBeyond_s ? onsets.front().t_s : onsets.back().t_s,
-                                      duration_s));
+  const bool is_early = !onsets.empty() && onsets.front().t_s < -kBeyond_s;
+  if (is_early || (!onsets.empty() && onsets.back().t_s > duration_s + kBeyond_s))
+    throw InvalidArgument(fmt::format("{:g} s is no time of a recording of {:g} s{}",
+                                      is_early ? onsets.front().t_s : onsets.back().t_s, duration_s,
+                                      may_be_milliseconds(onsets, duration_s)));
   std::int64_t impact = 0;
   for (Onset& onset : onsets) {
     onset.drop = 0;
@@ -184,9 +192,11 @@ void check_within(const Case& c) {
   }
   for (std::size_t k = 0; k < c.times.onsets.size(); ++k)
     if (const double t_s = c.times.onsets[k].t_s; t_s < 0.0 || t_s > duration_s)
-      throw FileError(c.truth.string(), fmt::format("row {}: {:g} s is not within {}, of {:g} s; give seconds from its "
-                                                    "begin, of this recording",
-                                                    k + 1, t_s, printable(c.sound.string()), duration_s));
+      throw FileError(c.truth.string(),
+                      fmt::format("row {}: {:g} s is not within {}, of {:g} s{}; give seconds from its "
+                                  "begin, of this recording",
+                                  k + 1, t_s, printable(c.sound.string()), duration_s,
+                                  may_be_milliseconds(c.times.onsets, duration_s)));
 }
 
 loop::DetectorScore score_of(const loop::TrueTimes& truth, Onsets marked, double duration_s, double processor_s,

@@ -89,13 +89,14 @@ class AmbiguousTable : public InvalidArgument {
   };
   AmbiguousTable(const std::string& file, const std::string& question, std::vector<Column> columns,
                  std::vector<Reading> readings);
+  const std::string& file() const { return file_; }
   /// With the file's name, without the readings, which what() has too.
   const std::string& question() const { return question_; }
   const std::vector<Column>& columns() const { return columns_; }
   const std::vector<Reading>& readings() const { return readings_; }
 
  private:
-  std::string question_;
+  std::string file_, question_;
   std::vector<Column> columns_;
   std::vector<Reading> readings_;
 };

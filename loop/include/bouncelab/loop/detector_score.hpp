@@ -37,8 +37,8 @@ struct Agreement {
 
 /// Tolerances of DetectorScore::agreement [s].
 inline constexpr std::array<double, 4> kTolerances_s{50e-3, 5e-3, 1e-3, 0.1e-3};
-/// Of these: the pairs whose errors are scored.
-inline constexpr std::size_t kJitterTolerance = 2;
+/// Of these: the pairs whose errors are scored, so that jitter and recall are of the same ones.
+inline constexpr std::size_t kJitterTolerance = 1;
 
 /// How well times that any onset detector marked agree with the true ones: one recording, or several pooled.
 /// docs/validation.md has the definitions. A value is absent where there is nothing to take it from.
@@ -47,10 +47,10 @@ struct DetectorScore {
   /// Within 50 ms of the times as marked, matched for the most pairs as mir_eval and MIREX do; within 5, 1 and 0.1 ms
   /// about `offset_s`, nearest pairs first.
   std::array<Agreement, kTolerances_s.size()> agreement;
-  /// For each true time the index of its mark, where there is one within 1 ms; of several recordings one after the
+  /// For each true time the index of its mark, where there is one within 5 ms; of several recordings one after the
   /// other.
   std::vector<std::optional<std::size_t>> match;
-  // of these pairs; of several recordings the median of each
+  // of these pairs, three at least but for the offset; of several recordings the median of each
   std::optional<double> offset_s;   ///< median of marked less true: a latency, which cancels in intervals
   std::optional<double> jitter_s;   ///< root mean square of marked less true, less the offset
   std::optional<double> typical_s;  ///< 1.4826 times the median of their sizes: a standard deviation without outliers
