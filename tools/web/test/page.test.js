@@ -112,11 +112,27 @@ describe('the page', {skip: missing ?? false}, () => {
     assert.match(await page.$eval('#answer .lead', node => node.textContent), /^ε = 0\.9/);
   });
 
-  test('a table of another quantity is refused in one sentence', async () => {
-    const speeds = join(work, 'speeds.csv');
-    writeFileSync(speeds, 'v (m/s),e\n0.9,0.91\n0.8,0.92\n0.7,0.93\n');
-    assert.match(await choose(page, speeds), /^speeds\.csv: no column is a time: column 'v \(m\/s\)' is another quantity/);
-    assert.ok(await page.$eval('#height-field', node => !node.hidden));
+  test('speeds with coefficients, or before and after, are a table too; speeds alone are refused', async () => {
+    assert.deepEqual(await asked('speeds.csv', 'v (m/s),e\n0.9,0.91\n0.8,0.92\n0.7,0.93\n'), ["column 'e' is the coefficient"]);
+    assert.equal(await statusOf(page), 'speeds.csv: which columns are the speed and the coefficient of restitution, or the speeds before and after a bounce?');
+    assert.match(await answered(page, () => page.click('#question button')), /^Read as speeds in m\/s \(column 'v \(m\/s\)'\) and coefficients of restitution \(column 'e', ',' between\): 3 impacts/);
+    assert.match(await page.$eval('#answer .lead', node => node.textContent), /^ε = 0\.9/);
+    assert.deepEqual(await asked('both.csv', 'in (m/s),out (m/s)\n4.43,3.98\n3.98,3.59\n3.59,3.23\n3.23,2.91\n'), ['speeds before and after']);
+    assert.match(await answered(page, () => page.click('#question button')), /before and after/);
+    const lead = await page.$eval('#answer .lead', node => node.textContent);
+    assert.match(lead, /^ε = 0\.90/);
+    assert.deepEqual(await page.$$eval('#downloads button', list => list.map(b => b.dataset.file)), ['picture', 'report.html', 'samples.csv', 'fit.json']);
+    await page.click('#typed summary');
+    await page.select('#numbers-as', 'speeds');
+    await page.type('#numbers', '4.43, 3.98, 3.59');
+    assert.match(await answered(page, () => page.click('#numbers-run')), /^Speeds are two numbers a line/);
+    await page.$eval('#numbers', node => { node.value = '4.43 3.98\n3.98 3.59\n3.59 3.23\n3.23 2.91\n'; });
+    assert.match(await answered(page, () => page.click('#numbers-run')), /^Read as speeds in m\/s/);
+    assert.equal(await page.$eval('#answer .lead', node => node.textContent), lead);
+    await page.click('#typed summary');
+    const alone = join(work, 'alone.csv');
+    writeFileSync(alone, 'v (m/s)\n0.9\n0.8\n0.7\n');
+    assert.match(await choose(page, alone), /^alone\.csv: which columns are the speed and the coefficient of restitution.*bounce\?/);
     assert.ok(await page.$eval('#question', node => node.hidden));
     await choose(page, clean);
   });
@@ -131,6 +147,8 @@ describe('the page', {skip: missing ?? false}, () => {
       return answered(page, () => page.keyboard.press('Enter'));
     };
     await page.click('#typed summary');
+    await page.$eval('#numbers', node => { node.value = ''; });
+    await page.select('#numbers-as', 'heights');
     assert.match(await answered(page, () => page.click('#numbers-run')), /^No number is typed yet/);
     await page.type('#numbers', '100 81 66 53');  // no unit is given, and none is guessed
     await page.click('#numbers-run');
