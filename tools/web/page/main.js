@@ -79,7 +79,7 @@ async function showTimes(stays) {
   const result = await engine.run({task: 'times', options: {...optionsNow(), ...open.reading}});
   stays();
   if (result.question) return ask(result.question);
-  settings.heightsAreRead(/^heights/.test(result.takenFor));
+  settings.asksHeight(!/^(heights|speeds)/.test(result.takenFor));
   $('closed-loop').hidden = $('scatter').hidden = $('sound-section').hidden = true;
   $('result').hidden = false;
   await show(result);
@@ -140,7 +140,7 @@ async function openSound(summary, more, stays) {
 function clear() {
   $('result').hidden = true;
   hideQuestion();
-  settings.heightsAreRead(false);
+  settings.asksHeight(true);
   open = null;
 }
 

@@ -29,9 +29,9 @@ export class Settings {
   /// A ball of the catalogue has its size, or is a material, whose size has to be given.
   isMaterial(ball) { return Boolean(ball) && !this.balls.find(b => b.name === ball)?.radius_m; }
 
-  /// A table of heights begins with that of the release.
-  heightsAreRead(are) {
-    $('height-field').hidden = $('height-says').hidden = are;
+  /// Heights begin with that of the release, and speeds need none.
+  asksHeight(asks) {
+    $('height-field').hidden = $('height-says').hidden = !asks;
     this.show();
   }
   get height() { return $('height-field').hidden ? '' : $('height').value; }

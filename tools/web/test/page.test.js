@@ -121,6 +121,7 @@ describe('the page', {skip: missing ?? false}, () => {
     assert.match(await answered(page, () => page.click('#question button')), /before and after/);
     const lead = await page.$eval('#answer .lead', node => node.textContent);
     assert.match(lead, /^ε = 0\.90/);
+    assert.ok(await page.$eval('#height-field', node => node.hidden));
     assert.deepEqual(await page.$$eval('#downloads button', list => list.map(b => b.dataset.file)), ['picture', 'report.html', 'samples.csv', 'fit.json']);
     await page.click('#typed summary');
     await page.select('#numbers-as', 'speeds');
