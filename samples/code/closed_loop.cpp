@@ -30,11 +30,19 @@ int main() {
   std::printf("%zu impacts, %zu found, %zu missed, %zu invented, time error within drops %.2g us rms\n", n_true,
               n_found, n_true - n_found, n_marked - n_found, 1e6 * score.within_drops_s.value_or(0.0));
 
-  // restitution and fit: eps(v) beside the law that was simulated
+  // restitution and fit. Tables are lists of rows: Impact, Onset, RestitutionSample have members by the names of their
+  // columns
   const RestitutionSamples eps = fit::restitution_samples(onsets, {}).samples;
+  for (std::size_t k = 0; k < 3; ++k)
+    std::printf("impact %lld: simulated %.6f s after the release, found at %.6f +- %.6f s, eps(%.3f m/s) = %.4f\n",
+                static_cast<long long>(impacts.rows[k].impact), impacts.rows[k].t_s, onsets[k].t_s,
+                onsets[k].sigma_t_s.value_or(0.0), eps[k].v_mps, eps[k].eps);
+
+  // the peak of p(eps) follows the law that was simulated; the mean of a rough ball lies beside it
   const fit::FitResult fit = fit::fit_all(eps, {});
-  for (const fit::NodeEstimate& node : fit.law.nodes)
-    std::printf("eps(%.2f m/s) = %s, truth %.6f, pull %.2f\n", node.v_mps,
-                fit::in_words(node.eps.value, node.eps.se).c_str(), restitution(experiment.law, node.v_mps),
-                (node.eps.value - restitution(experiment.law, node.v_mps)) / node.eps.se.value_or(1.0));
+  for (const fit::CurveNode& node : fit.curve->nodes)
+    std::printf("at %.2f m/s: mean eps %s, peak %s, law %.6f\n", node.v_mps,
+                fit::in_words(node.eps.value, node.eps.se).c_str(),
+                node.peak ? fit::in_words(node.peak->value, node.peak->se).c_str() : "not known",
+                restitution(experiment.law, node.v_mps));
 }

@@ -120,6 +120,34 @@ TEST(NastyValues, OfEveryOptionAreInRangeOrRefusedInOneLine) {
   EXPECT_GT(n_options, 190U);
 }
 
+/// An option more, described as CONTRIBUTING's example.
+struct Tries {
+  int least_tries = 3;
+};
+Description members_of(const Tries*) {
+  static constexpr Member all[]{member<&Tries::least_tries>("least_tries", "Fewer are left out").within(3, 1e6)};
+  return all;
+}
+
+TEST(AddedOption, OfOneLineIsInHelpCommandLineConfigurationAndProvenance) {
+  const fs::path root = fs::path(test::kSamples).parent_path();
+  const std::string line = R"(min_impacts", "Drops of fewer impacts are left out").within(3, 1'000'000))";
+  EXPECT_THAT(content_of(root / "CONTRIBUTING.md"), testing::HasSubstr(line));
+  EXPECT_THAT(content_of(root / "acoustic/detection/src/detect.cpp"), testing::HasSubstr(line));
+
+  std::vector<cli::Command> commands = cli::all_commands();
+  const auto detect = std::find_if(commands.begin(), commands.end(), [](const auto& c) { return c.name == "detect"; });
+  Tries added;
+  detect->sections.push_back(options::section_of(added));
+  EXPECT_THAT(help_of(*detect, false),
+              testing::ContainsRegex("--least-tries INT +Fewer are left out \\(3 to 1000000;"));
+  const cli::Given given = cli::set_options(detect->sections, {"x.wav", "--out=o.csv", "--least-tries=7"});
+  EXPECT_EQ(added.least_tries, 7);
+  EXPECT_EQ(cli::parameters_of(detect->sections, given).back().values, std::vector<std::string>{"7"});
+  const auto configured = [&](const char* text) { return cli::config_options(text, "c.toml", *detect, commands); };
+  EXPECT_EQ(configured("[detect]\nleast_tries = 9").at(0).values, std::vector<std::string>{"9"});
+}
+
 class Options : public ProgramTest {
  protected:
   /// Simulates into a.csv; the table without provenance.
