@@ -3,8 +3,12 @@
 #include "bouncelab/core/numerics.hpp"
 
 #include <cmath>
+#include <map>
+#include <utility>
 
 #include "bouncelab/core/elementary.hpp"
+#include "bouncelab/core/error.hpp"
+#include "bouncelab/core/parallel.hpp"
 #include "bouncelab/core/text.hpp"
 #include "bouncelab/fit/restitution.hpp"
 #include "curve/smooth_curve.hpp"
@@ -170,11 +174,48 @@ void describe_scatter(FitResult& result, const RestitutionSamples& kept, const P
   result.budget = error_budget(kept, result.law, budget_config_of(*prepared.part, config.budget));
 }
 
+FitResult fit_on_these_threads(const RestitutionSamples& samples, const FitConfig& config,
+                               const ProgressCallback& progress);
+
+/// Each recording by its own curve, at those nodes of the curve of all that it reaches; each plate as alone.
+/// @param measured  the samples of all
+void describe_rows(Recordings& recordings, const RestitutionSamples& measured, const std::vector<CurveNode>& nodes,
+                   const FitConfig& config) {
+  std::map<std::string, RestitutionSamples> of;
+  for (auto& [name, samples] : by_row(measured, recordings.plates)) of[name] = std::move(samples);
+  parallel_for(recordings.rows.size(), 0, [&](std::size_t k) {
+    RecordingFit& row = recordings.rows[k];
+    const RestitutionSamples& samples = of.at(row.recording);
+    std::vector<double> v_mps;
+    for (const CurveNode& node : nodes)
+      if (node.v_mps >= row.v_lo_mps && node.v_mps <= row.v_hi_mps) v_mps.push_back(node.v_mps);
+    if (v_mps.empty()) v_mps = {median(speeds_of(samples))};
+    Curve curve;
+    if (recordings.plates.empty()) {
+      curve = SmoothCurve(samples, places_of(samples), v_mps).curve();
+      add_peaks(curve, row.law);
+    } else {
+      FitConfig alone = config;
+      alone.law.node_speeds_mps = v_mps;
+      alone.compare_recordings = false;
+      alone.n_goodness = 0;
+      FitResult one = fit_on_these_threads(samples, alone, {});
+      curve = std::move(*one.curve);
+      row.parameters = std::move(one.constants.parameters);
+      row.with_memory = one.constants.with_memory;
+      row.histograms = std::move(one.histograms);
+    }
+    row.nodes = std::move(curve.nodes);
+    row.heights = std::move(curve.heights);
+  });
+}
+
 /// Are the samples of one ball? With the outliers of the pooled law: they may be all of one recording.
-void compare_parts(FitResult& result, const RestitutionSamples& used, const FitConfig& config) {
+void compare_parts(FitResult& result, const Prepared& prepared, const FitConfig& config) {
+  const RestitutionSamples& used = prepared.used();
   if (config.compare_recordings)
-    result.recordings = compare_recordings(used, config.law, result.law, config.histograms);
-  result.recordings.are_plates = config.recordings_are_plates;
+    result.recordings = compare_recordings(used, config.law, result.law, config.histograms, config.plates);
+  if (result.curve) describe_rows(result.recordings, *prepared.part, result.curve->nodes, config);
   result.kinds_of_drops = two_kinds_of_drops(used);
   const bool recordings_agree =
       result.recordings.rows.empty() || (result.recordings.test && !disagree(result.recordings));
@@ -202,6 +243,14 @@ FitResult fit_on_these_threads(const RestitutionSamples& samples, const FitConfi
   step();
   const Prepared prepared(samples, config);
   const RestitutionSamples& used = prepared.used();
+  if (const auto& v_mps = config.dem_speed_mps; v_mps && !used.empty()) {
+    const auto [slowest, fastest] =
+        std::minmax_element(used.begin(), used.end(), [](const auto& a, const auto& b) { return a.v_mps < b.v_mps; });
+    if (*v_mps < slowest->v_mps || *v_mps > fastest->v_mps)
+      throw InvalidArgument(
+          formatted("--hand-off-speed %.3g m/s: no bounce tells ε there; they are of %.3g to %.3g m/s", *v_mps,
+                    slowest->v_mps, fastest->v_mps));
+  }
   if (prepared.curve) result.curve = prepared.curve->curve();
   step();
   result.law = fit_law(used, main_law(config, result.curve));
@@ -218,7 +267,7 @@ FitResult fit_on_these_threads(const RestitutionSamples& samples, const FitConfi
   step();
   describe_scatter(result, *kept, prepared, config);
   step();
-  compare_parts(result, used, config);
+  compare_parts(result, prepared, config);
   step();
   if (prepared.curve) {
     look_beside(*prepared.curve, result.law, config.law, result.memory ? &*result.memory : nullptr, used);

@@ -90,10 +90,14 @@ void Comparison::add(RestitutionSamples&& samples) {
   (is_named ? of_named_balls_ : of_others_).push_back(recording);
   if (is_named) samples = fit::at_the_plate(std::move(samples));
   if (!samples.empty()) {
-    const SampleConditions& conditions = samples.front().conditions;
+    SampleConditions conditions = samples.front().conditions;
     if (!first_) first_ = conditions;
+    const bool is_other_plate = conditions.plate != first_->plate;
+    conditions.plate = first_->plate;
     if (conditions != *first_ && conditions.ball.has_value() == first_->ball.has_value())
       of_other_conditions_.push_back(recording);
+    else if (is_other_plate)
+      of_other_plates_.push_back(recording);
   }
   n_waiting_ += samples.size();
   if (kept_.size() < kMostKept) {
@@ -119,6 +123,9 @@ ComparedRecordings Comparison::finish(const Origins& origins) {
   std::vector<Note> notes;
   if (!of_named_balls_.empty())
     note_some(NoteKind::no_ball_named, of_others_, recordings_.size(), "names", "name", notes);
+  const auto& by_name = origins.by_recording;
+  if (std::all_of(by_name.begin(), by_name.end(), [](const auto& row) { return row.second.plate.empty(); }))
+    of_other_conditions_.insert(of_other_conditions_.end(), of_other_plates_.begin(), of_other_plates_.end());
   note_some(NoteKind::other_conditions, of_other_conditions_, recordings_.size(), "is", "are", notes);
   all.recordings = std::move(recordings_);
   Names names;

@@ -81,8 +81,7 @@ function recordingsTable() {
   const at = (r, v) => { const n = (r.nodes || []).find(node => node.v_mps === v); return n ? measured(n.eps, n.se) : '–'; };
   table(nounOfRows === 'plate' ? 'Plates' : 'Recordings', [nounOfRows, 'samples', 'drops', ...nodes.map(n => `ε(${speed(n.v_mps)})`), 'offset from one curve'],
         shown.map(r => [shownName(r.recording) || '(no name)', number(r.n), number(r.n_drops), ...nodes.map(n => at(r, n.v_mps)), estimated(r.offset)]),
-        'ε here is that of the law, the peak. ' +
-        (test ? `Each alone${withMemory ? ', impacts taken as independent' : ''}. One curve for all: p = ${number(test.p_value, 3)} (likelihood ratio ${number(test.likelihood_ratio, 4)} for ${number(test.ndf)} offsets, against the differences between ${test.within}).` : 'Each alone; too few samples to compare them.') +
+        (test ? `Each alone. One curve for all: p = ${number(test.p_value, 3)} (likelihood ratio ${number(test.likelihood_ratio, 4)} for ${number(test.ndf)} offsets, against the differences between ${test.within}).` : 'Each alone; too few samples to compare them.') +
         (all.length > most ? ` The ${most} furthest off of ${all.length}; all are in fit.json.` : ''));
 }
 

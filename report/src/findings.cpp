@@ -372,7 +372,7 @@ std::vector<Finding> findings_of(const FitResult& result, const SampleConditions
   if (std::string agreement = in_words(result.recordings); !agreement.empty())
     findings.insert(
         findings.begin() + (result.is_one_ball ? 1 : 0),
-        {result.recordings.are_plates ? "Do the plates agree?" : "Do the recordings agree?", sentence(agreement)});
+        {!result.recordings.plates.empty() ? "Do the plates agree?" : "Do the recordings agree?", sentence(agreement)});
   if (result.memory && result.is_one_ball)
     findings.insert(findings.end() - 1, {"Do the fluctuations remember?", remembers(result)});
   return findings;

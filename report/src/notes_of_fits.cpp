@@ -98,7 +98,7 @@ void note_rows_left_out(const LeftOut& left_out, Notes& notes) {
     if (flag && *flag != Flag::not_finite) continue;
     std::string why = "they have the flag " + reason;
     if (flag) why = "a number is not finite";
-    if (reason == "speed_not_positive") why = "the speed is not positive";
+    if (reason == "speed_not_positive") why = "the speed is below 1e-6 m/s";
     if (reason == "contact_most_of_bounce") why = "the ball named touches the floor for most of that bounce";
     notes.push_back(
         {NoteKind::rows_left_out, {static_cast<double>(left_out.n.at(reason)), static_cast<double>(first)}, why});
@@ -117,19 +117,24 @@ void note_wrong_intervals(const RestitutionSamples& used, const LeftOut& left_ou
   if (n > kMany * n_all) notes.push_back({NoteKind::many_intervals_odd, {n, n_all}});
 }
 
-void note_mixed_conditions(const RestitutionSamples& used, Notes& notes) {
-  const auto differs = [&](const RestitutionSample& s) { return s.conditions != used.front().conditions; };
+/// @param of_plates  plates are fitted apart, each as what it is
+void note_mixed_conditions(const RestitutionSamples& used, bool of_plates, Notes& notes) {
+  const auto differs = [&](const RestitutionSample& s) {
+    SampleConditions conditions = s.conditions;
+    if (of_plates) conditions.plate = used.front().conditions.plate;
+    return conditions != used.front().conditions;
+  };
   if (const auto n = std::count_if(used.begin(), used.end(), differs); n > 0)
     notes.push_back({NoteKind::mixed_conditions, {static_cast<double>(n)}});
 }
 
 /// Of the samples alone, whatever is fitted to them.
-void note_all_samples(const RestitutionSamples& used, const LeftOut& left_out, Notes& notes) {
+void note_all_samples(const RestitutionSamples& used, const LeftOut& left_out, bool of_plates, Notes& notes) {
   if (auto twice = note_of_repeated_drops(used)) notes.push_back(*std::move(twice));
   note_samples(used, notes);
   note_rows_left_out(left_out, notes);
   note_wrong_intervals(used, left_out, notes);
-  note_mixed_conditions(used, notes);
+  note_mixed_conditions(used, of_plates, notes);
 }
 
 /// What speaks against the fit with memory, and what is open of it: it needs a radius and a moment of inertia.
@@ -205,7 +210,7 @@ std::vector<Note> notes_of(const FitResult& result, const RestitutionSamples& sa
   Notes notes = result.law.notes;
   if (auto differ = note_of_difference(result.recordings)) notes.push_back(*std::move(differ));
   if (result.kinds_of_drops && result.is_one_ball) notes.push_back(note_of(*result.kinds_of_drops));
-  note_all_samples(used, left_out, notes);
+  note_all_samples(used, left_out, !result.recordings.plates.empty(), notes);
   note_drops_that_differ(result, notes);
   if (result.constants.why) notes.push_back(*result.constants.why);
   note_law(result, notes);
@@ -230,7 +235,7 @@ std::vector<Note> notes_of(const RoughnessResult& result, const RestitutionSampl
   LeftOut left_out;
   const PartOfSamples part = usable_samples(samples, left_out);
   Notes notes;
-  note_all_samples(*part, left_out, notes);
+  note_all_samples(*part, left_out, false, notes);
   note_memory(result.memory, notes);
   order(notes);
   return notes;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bouncelab/report/page.hpp"
 
+#include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -110,6 +111,22 @@ fit::Curve curve_of(const Json& json) {
   return curve;
 }
 
+/// Whether a fit can have made the curve, and the hand-off speed lies on it.
+bool is_possible(const fit::Curve& curve, double v_mps) {
+  constexpr double kMost = 1.2;  // of ε, by scatter
+  const auto is_eps = [](double eps) { return eps >= 0.0 && eps < kMost; };
+  double slowest = HUGE_VAL, fastest = 0.0;
+  for (const fit::CurvePoint& point : curve.points) {
+    if (!(point.x > fastest) || !is_eps(point.y)) return false;
+    slowest = std::min(slowest, point.x), fastest = point.x;
+  }
+  for (const fit::CurveNode& node : curve.nodes) {
+    if (!(node.v_mps > 0.0) || !is_eps(node.eps.value)) return false;
+    slowest = std::min(slowest, node.v_mps), fastest = std::max(fastest, node.v_mps);
+  }
+  return v_mps >= slowest && v_mps <= fastest;
+}
+
 std::optional<fit::ScatterModel> scatter_of(const Json& json) {
   if (json.is_null()) return std::nullopt;
   return fit::ScatterModel{json.at("v_ref_mps").get<double>(), json.at("log_below").get<std::vector<double>>(),
@@ -141,8 +158,10 @@ std::optional<fit::DemExport> dem_of_fit(const std::string& fit_json, std::optio
       memory->q = fit.at("roughness").at("q").get<double>();
     }
     const Json &ball = fit.at("budget").at("ball"), &plate = fit.at("budget").at("plate");
-    return fit::dem_export(curve_of(fit.at("curve")), scatter_of(fit.at("scatter")),
-                           fit.at("hand_off").at("v_mps").get<double>(),
+    const fit::Curve curve = curve_of(fit.at("curve"));
+    const double v_mps = fit.at("hand_off").at("v_mps").get<double>();
+    if (!is_possible(curve, v_mps)) throw std::logic_error("curve");
+    return fit::dem_export(curve, scatter_of(fit.at("scatter")), v_mps,
                            ball.is_string() ? std::optional(ball_from_text(ball.get<std::string>())) : std::nullopt,
                            plate.is_string() ? std::optional(plate_from_text(plate.get<std::string>())) : std::nullopt,
                            memory, youngs_modulus_pa);

@@ -16,19 +16,6 @@ namespace {
 
 SpeedAndRestitution at(double v_mps, const Estimate& eps) { return {v_mps, eps, 1.0 - square(eps.value)}; }
 
-/// A node of a law, which is of the peak, as root mean square.
-SpeedAndRestitution at_node(const NodeEstimate& node, const std::optional<ScatterModel>& scatter) {
-  Estimate eps = node.eps;
-  if (scatter) {
-    const double shift =
-        hypot(eps.value + scatter->mean_minus_peak(node.v_mps), std::sqrt(scatter->variance(node.v_mps))) - eps.value;
-    eps.value += shift;
-    for (std::optional<Interval>* interval : {&eps.ci68, &eps.ci95})
-      if (*interval) (*interval)->lo += shift, (*interval)->hi += shift;
-  }
-  return at(node.v_mps, eps);
-}
-
 /// Decimals that show one digit of a standard error, two where that one is 1.
 int decimals_for(const Estimate& e) {
   if (!e.se || !(*e.se > 0.0) || !std::isfinite(*e.se)) return 3;
@@ -116,7 +103,7 @@ std::string contradicted(const Curve& curve) {
 std::optional<double> common_speed(const std::vector<RecordingFit>& rows) {
   std::map<double, std::size_t> n_at;
   for (const RecordingFit& row : rows)
-    for (const NodeEstimate& node : row.law.nodes) ++n_at[node.v_mps];
+    for (const CurveNode& node : row.nodes) ++n_at[node.v_mps];
   std::size_t most = 0;
   for (const auto& [v_mps, n] : n_at) most = std::max(most, n);
   std::vector<double> best;
@@ -136,7 +123,7 @@ std::string extremes(const std::vector<RecordingFit>& rows) {
   std::string what = "the difference from the common curve";
   if (const auto v_mps = common_speed(rows)) {
     for (const RecordingFit& row : rows)
-      for (const NodeEstimate& node : row.law.nodes)
+      for (const CurveNode& node : row.nodes)
         if (node.v_mps == *v_mps) values.emplace_back(node.eps.value, &row);
     if (values.size() > 1) what = formatted("ε at %.3g m/s", *v_mps);
   }
@@ -161,18 +148,18 @@ std::vector<ReleaseHeight> heights_of(const FitResult& result) {
 std::vector<RecordingAnswer> answers_by_recording(const FitResult& result, const RestitutionSamples& samples) {
   if (result.recordings.rows.empty()) return {};
   std::map<std::string, RestitutionSamples> of;
-  for (const RestitutionSample& s : samples) of[s.recording].push_back(s);
+  for (auto& [name, of_row] : by_row(samples, result.recordings.plates)) of[name] = std::move(of_row);
   const std::optional<double> v_mps = common_speed(result.recordings.rows);
   std::vector<RecordingAnswer> answers;
   for (const RecordingFit& row : result.recordings.rows) {
     RecordingAnswer answer{row.recording,
                            {},
-                           row.law.nodes.empty() && row.law.why ? in_words(*row.law.why) : "",
-                           drops_seen(of[row.recording], heights_of(result))};
-    const NodeEstimate* nearest = nullptr;
-    for (const NodeEstimate& node : row.law.nodes)
+                           row.nodes.empty() && row.law.why ? in_words(*row.law.why) : "",
+                           drops_seen(of[row.recording], row.heights)};
+    const CurveNode* nearest = nullptr;
+    for (const CurveNode& node : row.nodes)
       if (!nearest || std::abs(node.v_mps - *v_mps) < std::abs(nearest->v_mps - *v_mps)) nearest = &node;
-    if (nearest) answer.at = at_node(*nearest, row.law.scatter);
+    if (nearest) answer.at = at(nearest->v_mps, nearest->eps);
     answers.push_back(std::move(answer));
   }
   return answers;
@@ -233,7 +220,7 @@ std::string percent_lost(const SpeedAndRestitution& at) {
   return rounded(100.0 * at.energy_lost, exact ? 1 : 0);
 }
 
-const char* noun(const Recordings& recordings) { return recordings.are_plates ? "plates" : "recordings"; }
+const char* noun(const Recordings& recordings) { return !recordings.plates.empty() ? "plates" : "recordings"; }
 
 /// Where recordings differ by more than chance, or cannot be compared: their range instead of a value.
 std::string of_range(const Recordings& recordings) {
@@ -315,7 +302,7 @@ std::optional<Note> note_of_difference(const Recordings& recordings) {
   if (!disagree(recordings)) return std::nullopt;
   const RecordingsTest& test = *recordings.test;
   return Note{NoteKind::recordings_differ,
-              {static_cast<double>(test.n_recordings), test.p_value, recordings.are_plates ? 2.0 : 1.0},
+              {static_cast<double>(test.n_recordings), test.p_value, !recordings.plates.empty() ? 2.0 : 1.0},
               extremes(recordings.rows)};
 }
 

@@ -134,6 +134,23 @@ print('%.9f %.9f %.9f' % (e.mean(), (e**2).mean(), fast.mean()))
   }
 }
 
+TEST_F(DemCommand, OfAFitThatNoFitCanHaveMadeIsRefused) {
+  fit_viscoelastic_ball();
+  const std::string fit = content("fit.json");
+  for (const auto& [from, to] : {std::pair{"\"hand_off\": {\n  \"v_mps\": 0.6", "\"hand_off\": {\n  \"v_mps\": -0.6"},
+                                 {"\"hand_off\": {\n  \"v_mps\": 0.6", "\"hand_off\": {\n  \"v_mps\": 600"},
+                                 {"\"points\": [\n   {\n    \"v_mps\": ", "\"points\": [\n   {\n    \"v_mps\": -"},
+                                 {"\"nodes\": [\n   {\n    \"v_mps\": ", "\"nodes\": [\n   {\n    \"v_mps\": -"}}) {
+    std::string edited = fit;
+    const auto at = edited.find(from);
+    ASSERT_NE(at, std::string::npos) << from;
+    edited.replace(at, std::string_view(from).size(), to);
+    std::ofstream(folder_ / "edited.json") << edited;
+    expect_one_line_error(run("dem edited.json"), 3, {"edited.json", "changed by hand", "fit the samples again"});
+  }
+  expect_one_line_error(run("fit s.csv --out g.json --hand-off-speed 600"), 2, {"600 m/s", "no bounce tells", "m/s"});
+}
+
 TEST_F(DemCommand, SofterBallsBounceAsFitted) {
   fit_viscoelastic_ball();
   const double eps = handed()["eps"].number();

@@ -62,7 +62,7 @@ TEST_F(FitCommand, WhatIsOddInTheSamplesIsSaid) {
   const Result odd = fit(samples);
   EXPECT_EQ(odd.exit_code, 0) << odd.err;
   EXPECT_THAT(odd.err, testing::HasSubstr("2 samples are left out (a number is not finite); check sample 2001"));
-  EXPECT_THAT(odd.err, testing::HasSubstr("1 sample is left out (the speed is not positive); check sample 2003"));
+  EXPECT_THAT(odd.err, testing::HasSubstr("1 sample is left out (the speed is below 1e-6 m/s); check sample 2003"));
   EXPECT_THAT(found()["notes"].dump(), testing::HasSubstr("2000 of 2000 samples state no timing error"));
   EXPECT_EQ(found()["n_left_out"]["not_finite"], 2);
   EXPECT_EQ(found()["n_used"], 2000);

@@ -77,9 +77,19 @@ TEST(DemExport, HasInputsOfAllCodesAtTheSpeedStated) {
     EXPECT_THAT(s->text, ::testing::HasSubstr("steel:6mm on glass")) << program;
   }
   for (const Snippet& s : all.snippets) EXPECT_EQ(s.text.find('@'), std::string::npos) << s.text;
-  EXPECT_THAT(all.warning, ::testing::Not(::testing::HasSubstr("outside")));
-  EXPECT_THAT(dem_export(viscoelastic().curve, viscoelastic().scatter, 5.0, {}, {})->warning,
-              ::testing::HasSubstr("outside the data"));
+}
+
+TEST(DemExport, OfABallWhoseStiffnessIsNotKnownKeepsSizeAndMass) {
+  const Fitted& fit = viscoelastic();
+  const Ball rubber = ball_from_text("rubber:20mm");
+  const auto of = [&](std::optional<double> youngs_modulus_pa) {
+    return dem_export(fit.curve, fit.scatter, 0.6, rubber, kGlass, {}, youngs_modulus_pa);
+  };
+  EXPECT_THAT(of({})->ball, ::testing::HasSubstr("diameter=20mm,density=930"));
+  EXPECT_THAT(of({})->ball, ::testing::HasSubstr("as stiff as steel, for it is not known how stiff"));
+  EXPECT_THAT(of(5e6)->ball, ::testing::Not(::testing::HasSubstr("steel, for")));
+  // at 1e4 Pa the overlap is 1.4 times the radius
+  EXPECT_THROW(of(1e4), InvalidArgument);
 }
 
 TEST(DemExport, HasViscoelasticContactsWhereASphereExplainsTheCurveAndSaysSoWhereNot) {

@@ -85,23 +85,39 @@ TEST(Recordings, OfTwoBallsThatDifferByAHundredthAreToldApart) {
   }
 }
 
-TEST(Recordings, RowIsTheFitOfThatRecordingAlone) {
-  const RestitutionSamples b = samples_of({{"b", 60}}, 7);
-  RestitutionSamples all = samples_of({{"a", 60}}, 8);
-  all.insert(all.end(), b.begin(), b.end());
-  LawFitConfig config;
-  const LawFit pooled = fit_law(all, config);
-  const Recordings found = compare_recordings(all, config, pooled);
-  ASSERT_EQ(found.rows.size(), 2u);
-  EXPECT_EQ(found.rows[1].recording, "b");
-  for (const NodeEstimate& node : pooled.nodes) config.node_speeds_mps.push_back(node.v_mps);
-  const LawFit alone = fit_law(b, config);
-  ASSERT_EQ(found.rows[1].law.nodes.size(), 3u);
-  for (std::size_t k = 0; k < 3; ++k) {
-    EXPECT_EQ(found.rows[1].law.nodes[k].eps.value, alone.nodes[k].eps.value);
-    EXPECT_EQ(found.rows[1].law.nodes[k].eps.ci95->lo, alone.nodes[k].eps.ci95->lo);
-  }
-  EXPECT_EQ(found.rows[1].law.parameters.at(0).estimate.value, alone.parameters.at(0).estimate.value);
+TEST(Recordings, RowsAreTheAnswersOfEachRecordingAndOfEachPlateAlone) {
+  const RestitutionSamples all = samples_of({{"a", 60}, {"b", 60}, {"c", 60, 0.01}}, 8);
+  const auto of = [&](std::string_view names) {
+    RestitutionSamples some = all;
+    std::erase_if(some, [&](const RestitutionSample& s) { return names.find(s.recording) == std::string_view::npos; });
+    return some;
+  };
+  FitConfig config;
+  config.n_goodness = 0;
+  const auto expect_rows = [&](const std::vector<std::pair<std::string, std::string_view>>& rows) {
+    const FitResult together = fit_all(all, config);
+    ASSERT_EQ(together.recordings.rows.size(), rows.size());
+    for (std::size_t r = 0; r < rows.size(); ++r) {
+      const RecordingFit& row = together.recordings.rows[r];
+      EXPECT_EQ(row.recording, rows[r].first);
+      FitConfig alone = config;
+      alone.plates.clear();
+      for (const CurveNode& node : row.nodes) alone.law.node_speeds_mps.push_back(node.v_mps);
+      const FitResult one = fit_all(of(rows[r].second), alone);
+      ASSERT_EQ(row.nodes.size(), 3U);
+      for (std::size_t k = 0; k < 3; ++k) {
+        EXPECT_EQ(row.nodes[k].eps.value, one.curve->nodes[k].eps.value);
+        EXPECT_EQ(row.nodes[k].eps.ci95->lo, one.curve->nodes[k].eps.ci95->lo);
+        EXPECT_TRUE(row.nodes[k].peak);
+      }
+      if (config.plates.empty()) continue;
+      ASSERT_EQ(row.parameters.size(), one.constants.parameters.size());
+      EXPECT_EQ(row.parameters.at(0).estimate.value, one.constants.parameters.at(0).estimate.value);
+    }
+  };
+  expect_rows({{"a", "a"}, {"b", "b"}, {"c", "c"}});
+  config.plates = {{"a", "glass"}, {"b", "glass"}};
+  expect_rows({{"glass", "ab"}, {"c", "c"}});
 }
 
 TEST(Recordings, OfOneOrOfTwoSamplesAreNotCompared) {

@@ -64,6 +64,15 @@ TEST(SmoothCurve, OfTwoDropsThatDifferHasAnIntervalOverBoth) {
   EXPECT_GT(*curve.scatter_of_drops, 100.0 * curve.scatter);
 }
 
+TEST(SmoothCurve, OfDropsThatAreEqualToTheLastDigitIsTheirEps) {
+  for (const double eps : {0.2, 0.5, 0.9})
+    for (const int n_bounces : {4, 6, 12}) {
+      const Curve curve = smooth(drops_by([&](int, double) { return eps; }, 8, n_bounces, 0.0, 1)).curve();
+      for (const CurveNode& node : curve.nodes) EXPECT_NEAR(node.eps.value, eps, 1e-6) << eps << ", " << n_bounces;
+      for (const CurvePoint& point : curve.points) EXPECT_NEAR(point.y, eps, 1e-4) << eps << ", " << n_bounces;
+    }
+}
+
 TEST(SmoothCurve, OfManyDropsThatDifferHasTheErrorOfTheirMean) {
   Random random(7, RandomStream::test, 0);
   double mean = 0.0, squares = 0.0;

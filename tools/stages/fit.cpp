@@ -142,7 +142,7 @@ std::string answer_text(const fit::FitResult& result, const report::FitInWords& 
                         const std::vector<std::string>& taken_for, const std::string& constants,
                         const std::string& where) {
   constexpr std::ptrdiff_t kMostLines = 12;
-  constexpr std::size_t kLine_characters = 100;
+  constexpr std::size_t kLine_characters = 100, kOfMore = 3;
   std::vector<std::pair<std::size_t, std::string>> parts;  // that of the greatest number is left out first
   const auto add = [&](std::size_t rank, const std::string& text) {
     if (!text.empty()) parts.emplace_back(rank, wrapped(text, kLine_characters) + "\n");
@@ -152,6 +152,7 @@ std::string answer_text(const fit::FitResult& result, const report::FitInWords& 
   for (std::size_t k = 0; k < answer.sentences.size(); ++k) add(10 * k, answer.sentences[k]);
   if (n > 0) add(1, answer.at ? "Each alone; " + report::in_words(result.recordings) + ":" : "Each alone:");
   for (std::size_t k = 0; k < n; ++k) add(k < 2 ? 2 : 200 + k, "  " + report::in_words(answer.recordings[k]));
+  if (n > 2) add(kOfMore, "  and more");
   add(5, constants);
   for (std::size_t k = 0; k < taken_for.size(); ++k) add(100 + k, taken_for[k]);
   add(50, report::in_words(words.taken));
@@ -162,9 +163,15 @@ std::string answer_text(const fit::FitResult& result, const report::FitInWords& 
     for (const auto& [rank, text] : parts) lines += std::count(text.begin(), text.end(), '\n');
     return lines;
   };
-  while (n_lines() > kMostLines) parts.erase(std::max_element(parts.begin(), parts.end()));
+  std::size_t n_shown = n;
+  while (n_lines() > kMostLines) {
+    const auto last = std::max_element(parts.begin(), parts.end());
+    n_shown -= last->first >= 200;
+    parts.erase(last);
+  }
   std::string all;
-  for (const auto& [rank, text] : parts) all += text;
+  for (const auto& [rank, text] : parts)
+    all += rank == kOfMore ? n_shown == n ? "" : fmt::format("  and {} more\n", n - n_shown) : text;
   return all;
 }
 
@@ -201,8 +208,7 @@ Outcome run_fit(const FitOptions& options, const Run& run) {
   note_other_ball(samples, options.world, notes);
   name_ball(samples, ball_of(options.world), plate_of(options.world));
   fit::FitConfig config = fit_config(options, run.common);
-  config.recordings_are_plates = !options.groups.empty();
-  if (config.recordings_are_plates) join_plates(samples, options.groups, notes);
+  if (!options.groups.empty()) config.plates = plates_of(samples, options.groups, notes);
   fit::FitResult result = fit::fit_all(samples, config, progress_line(run, "fit", "fits"));
   report::FitInWords words = report::in_words(result, samples, config.memory);
   leave_out_given(run.given, words.taken);

@@ -228,8 +228,11 @@ struct TableReader::State {
         if (std::any_of(found + 1, header.end(), is_wanted))
           throw FileError(rows.name(), place + ": column '" + spec.name + "' stands there twice; rename one of them");
       } else if (spec.required) {
-        throw FileError(rows.name(), place + ": column '" + spec.name + "' is missing (found: " +
-                                         printable(joined(header)) + "); the first line must name the columns");
+        const bool is_one = header.size() == 1 && header.front().find_first_of(";\t") != std::string::npos;
+        throw FileError(rows.name(), place + ": column '" + spec.name +
+                                         "' is missing (found: " + printable(joined(header)) + "); " +
+                                         (is_one ? "commas must separate the columns: save the table as CSV with commas"
+                                                 : "the first line must name the columns"));
       }
     }
   }

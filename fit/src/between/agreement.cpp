@@ -137,77 +137,80 @@ std::optional<Agreement> agreement(const UnitSamples& samples) {
 constexpr std::size_t kFewestOfRecording = 3;
 constexpr std::size_t kManyRecordings = 100;  // recordings: rows in a third of the time from there on
 
-std::vector<RestitutionSamples> by_recording(const RestitutionSamples& samples) {
-  std::map<std::string, std::size_t> numbers;
-  std::vector<RestitutionSamples> groups;
-  for (const RestitutionSample& s : samples) {
-    const std::size_t number = numbers.try_emplace(s.recording, groups.size()).first->second;
-    if (number == groups.size()) groups.emplace_back();
-    groups[number].push_back(s);
-  }
-  return groups;
-}
+using Row = std::pair<std::string, RestitutionSamples>;
 
 /// The table of units: the samples that recordings keep, about the curve of all.
-UnitSamples units_of(const std::vector<RestitutionSamples>& recordings, const std::vector<RecordingFit>& rows,
+UnitSamples units_of(const std::vector<Row>& recordings, const std::vector<RecordingFit>& rows,
                      const LawFitConfig& config, const LawFit& pooled) {
   std::vector<UnitGroup> groups;
   for (std::size_t r = 0; r < recordings.size(); ++r)
-    if (recordings[r].size() >= kFewestOfRecording)
-      groups.push_back({&recordings[r], &rows[r].law.outliers, &*pooled.scatter});
+    if (recordings[r].second.size() >= kFewestOfRecording)
+      groups.push_back({&recordings[r].second, &rows[r].law.outliers, &*pooled.scatter});
   return unit_samples(groups, pooled, config.orders, false);
 }
 
-RecordingFit row_of(const RestitutionSamples& samples, LawFitConfig config, const LawFit& pooled,
-                    const HistogramConfig& windows, bool is_one_of_many) {
+RecordingFit row_of(const Row& recording, LawFitConfig config, const HistogramConfig& windows, bool is_one_of_many) {
+  const RestitutionSamples& samples = recording.second;
   RecordingFit row;
-  row.recording = samples.front().recording;
-  std::set<std::int64_t> drops;
+  row.recording = recording.first;
+  std::set<std::pair<std::string, std::int64_t>> drops;
   std::vector<double> v;
   for (const RestitutionSample& s : samples) {
-    drops.insert(s.drop);
+    drops.emplace(s.recording, s.drop);
     v.push_back(s.v_mps);
   }
   std::sort(v.begin(), v.end());
   row.n_drops = drops.size();
   row.v_lo_mps = v.front();
   row.v_hi_mps = v.back();
-  config.node_speeds_mps.clear();
-  for (const NodeEstimate& node : pooled.nodes)
-    if (node.v_mps >= row.v_lo_mps && node.v_mps <= row.v_hi_mps) config.node_speeds_mps.push_back(node.v_mps);
-  if (config.node_speeds_mps.empty()) config.node_speeds_mps = {v[v.size() / 2]};
+  config.node_speeds_mps = {v[v.size() / 2]};
   if (is_one_of_many) {
     constexpr std::size_t kWidthKnown = 30;  // below, fit_law takes one term without a choice
     config.intervals = IntervalMethod::covariance;
     if (config.n_scatter_terms == 0 && samples.size() >= kWidthKnown) config.n_scatter_terms = 2;
   }
   row.law = fit_law(samples, config);
+  row.parameters = row.law.parameters;
   if (!is_one_of_many) row.histograms = fit_histograms(*PartOfSamples(samples, row.law.outliers), windows, row.law);
   return row;
 }
 
 }  // namespace
 
+std::vector<Row> by_row(const RestitutionSamples& samples, const Plates& plates) {
+  std::map<std::string, std::size_t> numbers;
+  std::vector<Row> rows;
+  for (const RestitutionSample& s : samples) {
+    const auto plate = plates.find(s.recording);
+    const std::string& name = plate == plates.end() ? s.recording : plate->second;
+    const std::size_t number = numbers.try_emplace(name, rows.size()).first->second;
+    if (number == rows.size()) rows.push_back({name, {}});
+    rows[number].second.push_back(s);
+  }
+  return rows;
+}
+
 bool disagree(const Recordings& recordings) { return recordings.test && recordings.test->p_value < kDoubt; }
 
 const char* to_string(WithinUnit unit) { return unit == WithinUnit::drops ? "drops" : "samples"; }
 
 Recordings compare_recordings(const RestitutionSamples& samples, const LawFitConfig& config, const LawFit& pooled,
-                              const HistogramConfig& windows) {
-  const std::vector<RestitutionSamples> recordings = by_recording(samples);
+                              const HistogramConfig& windows, const Plates& plates) {
+  const std::vector<Row> recordings = by_row(samples, plates);
   if (recordings.size() < 2) return {};
   Recordings result;
+  result.plates = plates;
   result.rows.resize(recordings.size());
   with_threads(0, [&] {
     parallel_for(recordings.size(), 0, [&](std::size_t k) {
-      result.rows[k] = row_of(recordings[k], config, pooled, windows, recordings.size() > kManyRecordings);
+      result.rows[k] = row_of(recordings[k], config, windows, recordings.size() > kManyRecordings);
     });
     if (!pooled.law || !pooled.scatter) return;
     if (const auto found = agreement(units_of(recordings, result.rows, config, pooled))) {
       result.test = found->test;
       auto next = found->offsets.begin();
       for (std::size_t k = 0; k < recordings.size(); ++k)
-        if (recordings[k].size() >= kFewestOfRecording) result.rows[k].offset = *next++;
+        if (recordings[k].second.size() >= kFewestOfRecording) result.rows[k].offset = *next++;
     }
   });
   return result;

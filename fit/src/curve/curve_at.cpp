@@ -263,6 +263,8 @@ Solution CurveAt::solve(const LinearEquations& linear, const Slopes::Place& plac
   solution.half = solution.root.matrixL().solve(linear.right);
   solution.ln_evidence = linear.constant + place.ln_prior + 0.5 * solution.half.squaredNorm() + 0.5 * ln_det -
                          solution.root.matrixLLT().diagonal().array().log().sum();
+  // of less scatter than is left of sums of squares in rounding nothing is known
+  if (solution.root.info() != Eigen::Success) solution.ln_evidence = -1e30;
   return solution;
 }
 

@@ -331,7 +331,7 @@ double ln_prior_of_s(double ln_s) { return -0.5 * square((ln_s - kLnSMiddle) / k
 
 LikelyNoise with_likely_s(Noise noise, double step, std::size_t n,
                           const std::function<double(const Noise&)>& evidence) {
-  constexpr double kLeast = -16.0, kMost = 1.0;  // of ln s
+  constexpr double kLeast = -11.5, kMost = 1.0;  // of ln s: below 1e-5 sums of squares are lost in rounding
   std::map<double, double> known;
   const auto at = [&](double ln_s) {
     const auto [found, is_new] = known.try_emplace(ln_s, 0.0);
@@ -342,7 +342,7 @@ LikelyNoise with_likely_s(Noise noise, double step, std::size_t n,
     }
     return found->second;
   };
-  double middle = noise.ln_s;
+  double middle = std::max(noise.ln_s, kLeast);
   const double width = 1.0 / std::sqrt(2.0 * static_cast<double>(n) + 2.0);
   for (;; step *= 0.5) {
     while (at(middle - step) > at(middle) && middle - step > kLeast) middle -= step;

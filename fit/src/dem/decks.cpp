@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "bouncelab/core/elementary.hpp"
+#include "bouncelab/core/error.hpp"
 #include "bouncelab/core/text.hpp"
 
 namespace bouncelab::fit {
@@ -46,11 +47,16 @@ DemContact dem_contact(const std::optional<Ball>& ball, const std::optional<Mate
   Ball taken = ball.value_or(Ball{});
   std::optional<ContactDuration> lasts = contact_duration(taken, below);
   std::string why = ball ? "" : ", for the ball is not named";
-  if (!lasts) {
-    taken = {};
+  const bool is_known = lasts.has_value();
+  if (!is_known) {
     below = kGlass;
+    taken.material.youngs_modulus_pa = kSteel.youngs_modulus_pa;
+    taken.material.poisson_ratio = kSteel.poisson_ratio;
+    taken.material.hertzian = true;
     lasts = contact_duration(taken, below);
-    why = ", for it is not known how long the ball's contacts last: add E= and nu=, or contact-time=, to --ball";
+    if (!youngs_modulus_pa)
+      why =
+          ", as stiff as steel, for it is not known how stiff the ball is: add E= and nu=, or contact-time=, to --ball";
   }
   DemContact contact;
   Ball named = taken;  // a density from mass and size needs no 16 digits
@@ -69,12 +75,20 @@ DemContact dem_contact(const std::optional<Ball>& ball, const std::optional<Mate
   contact.youngs_modulus_pa = 1.5 * (1.0 - nu * nu) * contact.k_n_pa;
   contact.duration_s = kHertz * pow(1.25 * mass / (contact.k_n_pa * root), 0.4);
   const double overlap_m = pow(1.25 * mass * square(v_mps) / (contact.k_n_pa * root), 0.4);
-  if (youngs_modulus_pa)
-    contact.ball += formatted(
-        "\nE = %.4g Pa in place of the ball's: contacts last %.3g times as long, the deepest overlap at %.3g m/s is "
-        "%.2g %% "
-        "of the radius",
-        *youngs_modulus_pa, pow(measured_pa / contact.k_n_pa, 0.4), v_mps, 100.0 * overlap_m / taken.radius_m);
+  constexpr double kDeepest = 0.25;  // of the radius: Hertz's contact is small beside the ball
+  if (youngs_modulus_pa && overlap_m > kDeepest * taken.radius_m)
+    throw InvalidArgument(
+        formatted("--youngs-modulus %.3g Pa: at %.3g m/s the ball overlaps the plate by %.2g %% of its "
+                  "radius, where no contact law holds; take %.2g Pa or more",
+                  *youngs_modulus_pa, v_mps, 100.0 * overlap_m / taken.radius_m,
+                  *youngs_modulus_pa * pow(overlap_m / (kDeepest * taken.radius_m), 2.5)));
+  if (youngs_modulus_pa) {
+    contact.ball += formatted("\nE = %.4g Pa in place of the ball's: ", *youngs_modulus_pa);
+    if (is_known)
+      contact.ball += formatted("contacts last %.3g times as long, ", pow(measured_pa / contact.k_n_pa, 0.4));
+    contact.ball += formatted("the deepest overlap at %.3g m/s is %.2g %% of the radius", v_mps,
+                              100.0 * overlap_m / taken.radius_m);
+  }
   return contact;
 }
 

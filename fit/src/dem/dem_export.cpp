@@ -144,7 +144,6 @@ std::optional<DemExport> dem_export(const Curve& curve, const std::optional<Scat
   if (result.eps < kLeastOfLammps)
     add_missing(result, formatted("no constant ε below %g in LIGGGHTS and %g in LAMMPS, whose contacts return more",
                                   kLeastOfLiggghts, kLeastOfLammps));
-  if (v_mps < slowest || v_mps > fastest) result.warning += formatted("; %.3g m/s lies outside the data", v_mps);
   const auto add = [&](std::vector<Snippet> more) {
     result.snippets.insert(result.snippets.end(), more.begin(), more.end());
   };

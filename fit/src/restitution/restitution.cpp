@@ -334,7 +334,8 @@ class ContactMostOfBounce {
 /// Why a sample cannot be used; empty: it can. The first flag names the reason.
 std::string_view reason_to_leave_out(const RestitutionSample& s, ContactMostOfBounce& is_mostly_contact) {
   if (!std::isfinite(s.v_mps) || !std::isfinite(s.eps)) return "not_finite";
-  if (!(s.v_mps > 0.0)) return "speed_not_positive";
+  constexpr double kLeast_mps = 1e-6;  // so thrown up a ball rises by less than an atom
+  if (!(s.v_mps > kLeast_mps)) return "speed_not_positive";
   if (s.flags.empty() && is_mostly_contact(s)) return "contact_most_of_bounce";
   return s.flags.first_word();
 }

@@ -148,10 +148,10 @@ Description members_of(const RecordingFit*) {
           "offset",
           "`null`, or an estimate of how far its ε is off the common curve, the mean over all samples being 0 (its "
           "standard error takes curve, scatter and independence as given)"),
-      member<&R::law, &LawFit::nodes>(
+      member<&R::nodes>(
           "nodes",
-          "ε of its law, the peak: at the nodes that lie within this recording's speeds, else at its median "
-          "speed"),
+          "ε of its own curve, as `nodes` of the curve of all: at those of them that lie within this recording's "
+          "speeds, else at its median speed"),
       computed(
           "slopes",
           [](const R& r) {
@@ -162,7 +162,8 @@ Description members_of(const RecordingFit*) {
           },
           "Window by window, from `v_lo_mps` to `slope_ratio` as `histograms`: p(ε) of its samples in the windows of "
           "speed that have enough, as `histograms`; empty of more than 100 recordings"),
-      estimates_by_name<&R::law, &LawFit::parameters>()};
+      member<&R::with_memory>("with_memory", "Constants by the fit with memory; of plates alone"),
+      estimates_by_name<&R::parameters>()};
   return all;
 }
 
@@ -311,7 +312,7 @@ Description members_of(const FitResult*) {
           .left_out_where_unknown(),
       computed(
           "recordings_are",
-          [](const F& f) { return f.recordings.are_plates ? std::optional<std::string>("plates") : std::nullopt; },
+          [](const F& f) { return !f.recordings.plates.empty() ? std::optional<std::string>("plates") : std::nullopt; },
           "`plates` with `--groups`: what is called a recording is then all recordings of a plate; else not there")
           .left_out_where_unknown(),
       member<&F::recordings, &Recordings::rows>("recordings",

@@ -27,9 +27,8 @@ std::string fit(const py::dict& columns, const std::string& groups, const Argume
   std::string json;
   python::run(run, progress, [&, &options = options, &run = run] {
     fit::FitConfig config = stages::fit_config(options, run.common);
-    config.recordings_are_plates = !groups.empty();
     std::vector<Note> notes;
-    if (config.recordings_are_plates) stages::join_plates(samples, groups, notes);
+    if (!groups.empty()) config.plates = stages::plates_of(samples, groups, notes);
     const fit::FitResult result = fit::fit_all(samples, config, stages::progress_line(run, "fit", "fits"));
     report::FitInWords words = report::in_words(result, samples, config.memory);
     words.notes = stages::joined(notes, words.notes);

@@ -171,9 +171,13 @@ void for_each_recording(const std::vector<fs::path>& files, int n_threads, std::
 
 loop::Origins read_groups(const fs::path& path) {
   const std::string name = input_name(path);
-  const Table table = read_table(
-      path, {{"recording", ColumnType::text}, {"plate", ColumnType::text, false}, {"date", ColumnType::text, false}});
+  const Table table = read_table(path, {{"recording", ColumnType::text},
+                                        {"plate", ColumnType::text, false},
+                                        {"date", ColumnType::text, false},
+                                        {"day", ColumnType::text, false}});
   const auto *recordings = table.texts("recording"), *plates = table.texts("plate"), *dates = table.texts("date");
+  if (const auto* days = table.texts("day"); days && !dates && !days->empty() && fit::date_from_iso(days->front()))
+    throw FileError(name, "the dates stand in a column day; call it date");
   if (plates == nullptr && dates == nullptr)
     throw FileError(name, "there is neither a column plate nor a column date; add one, or leave --groups out");
   loop::Origins origins{{}, printable(path.filename().string())};
@@ -193,23 +197,19 @@ loop::Origins read_groups(const fs::path& path) {
   return origins;
 }
 
-void join_plates(RestitutionSamples& samples, const fs::path& groups, std::vector<Note>& notes) {
+fit::Plates plates_of(const RestitutionSamples& samples, const fs::path& groups, std::vector<Note>& notes) {
   const loop::Origins origins = read_groups(groups);
   if (std::all_of(origins.by_recording.begin(), origins.by_recording.end(),
                   [](const auto& row) { return row.second.plate.empty(); }))
     throw FileError(input_name(groups), "names no plate; fill its column plate, or leave --groups out");
-  std::map<std::pair<std::string, std::int64_t>, std::int64_t> numbers;
-  std::map<std::string, std::string> plate_of;
-  for (RestitutionSample& s : samples) {
-    s.drop = numbers.try_emplace({s.recording, s.drop}, std::ssize(numbers)).first->second;
-    plate_of.try_emplace(s.recording);
-  }
-  std::vector<std::string> names;
-  for (const auto& [name, plate] : plate_of) names.push_back(name);
+  std::set<std::string> recordings;
+  for (const RestitutionSample& s : samples) recordings.insert(s.recording);
+  const std::vector<std::string> names(recordings.begin(), recordings.end());
   const std::vector<fit::RecordingOrigin> of_names = loop::origins_of(names, origins, notes);
+  fit::Plates plates;
   for (std::size_t k = 0; k < names.size(); ++k)
-    plate_of[names[k]] = of_names[k].plate.empty() ? names[k] : of_names[k].plate;
-  for (RestitutionSample& s : samples) s.recording = plate_of[s.recording];
+    if (!of_names[k].plate.empty()) plates[names[k]] = of_names[k].plate;
+  return plates;
 }
 
 }  // namespace bouncelab::stages

@@ -61,8 +61,7 @@ void for_each_recording(const std::vector<std::filesystem::path>& files, int n_t
 /// A table of columns recording and plate or date. @throws FileError
 loop::Origins read_groups(const std::filesystem::path& path);
 
-/// The samples of all recordings of a plate become those of one recording, named after it, each of their drops one of
-/// its own; a recording without a plate stays. @throws FileError where the table has no plates
-void join_plates(RestitutionSamples& samples, const std::filesystem::path& groups, std::vector<Note>& notes);
+/// The plate of each of the samples' recordings that has one in the table. @throws FileError where it has no plates
+fit::Plates plates_of(const RestitutionSamples& samples, const std::filesystem::path& groups, std::vector<Note>& notes);
 
 }  // namespace bouncelab::stages

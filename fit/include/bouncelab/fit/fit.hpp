@@ -41,7 +41,7 @@ struct FitConfig {
   BudgetConfig budget;                  ///< where the samples say nothing of themselves (budget_config_of)
   std::optional<double> dem_speed_mps;  ///< absent: the middle node
   bool compare_recordings = true;       ///< fill FitResult::recordings where there are several
-  bool recordings_are_plates = false;   ///< the samples' recordings are all of a plate: texts say so
+  Plates plates;                        ///< each is then compared, and has fits of its own
   bool pool = false;                    ///< one answer for all, whether recordings and drops agree or not
   int n_threads = 0;                    ///< 0: all cores; the result does not depend on it
 };

@@ -2,13 +2,16 @@
 #pragma once
 
 #include <cstddef>
+#include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "bouncelab/core/description.hpp"
 #include "bouncelab/core/samples.hpp"
 #include "bouncelab/core/table.hpp"
+#include "bouncelab/fit/curve.hpp"
 #include "bouncelab/fit/estimate.hpp"
 #include "bouncelab/fit/histogram_fit.hpp"
 #include "bouncelab/fit/law_fit.hpp"
@@ -41,22 +44,32 @@ struct RecordingsTest {
 };
 Description members_of(const RecordingsTest*);
 
-/// The law of one recording alone.
+/// One recording alone.
 struct RecordingFit {
   std::string recording;
   std::size_t n_drops = 0;
   double v_lo_mps = 0.0, v_hi_mps = 0.0;  ///< of its samples
-  LawFit law;                             ///< nodes: the pooled fit's where its speeds reach; else its median speed
-  std::optional<Estimate> offset;         ///< of its eps from the curve of all, mean over all samples 0; by the test
-  std::vector<HistogramFit> histograms;   ///< of its samples about its law; none of more than 100 recordings
+  std::vector<CurveNode> nodes;        ///< of its own curve: at the nodes of all within its speeds, else their middle
+  std::vector<ReleaseHeight> heights;  ///< of its drops, see Curve
+  std::vector<NamedEstimate> parameters;  ///< constants as they are stated: see Constants
+  bool with_memory = false;
+  LawFit law;
+  std::optional<Estimate> offset;        ///< of its eps from the curve of all, mean over all samples 0; by the test
+  std::vector<HistogramFit> histograms;  ///< of its samples about its law; none of more than 100 recordings
 };
 Description members_of(const RecordingFit*);
+
+/// Recording -> plate. Where there are some, a row is all recordings of a plate, or a recording without one.
+using Plates = std::map<std::string, std::string>;
 
 struct Recordings {
   std::optional<RecordingsTest> test;  ///< absent where fewer than two recordings can be compared
   std::vector<RecordingFit> rows;      ///< in order of appearance; empty where there is one recording
-  bool are_plates = false;             ///< what is called a recording is all recordings of a plate
+  Plates plates;
 };
+
+/// The samples of each row, in order of appearance, with its name.
+std::vector<std::pair<std::string, RestitutionSamples>> by_row(const RestitutionSamples& samples, const Plates& plates);
 
 /// The rows and the test. Of more than 100 recordings the rows' intervals are by covariance and, from 30 samples on,
 /// the scatter goes as a power of v: they take a third of the time.
@@ -65,7 +78,7 @@ struct Recordings {
 /// @param pooled   that fit: nodes, form of the scatter
 /// @param windows  of the rows' histograms
 Recordings compare_recordings(const RestitutionSamples& samples, const LawFitConfig& config, const LawFit& pooled,
-                              const HistogramConfig& windows = {});
+                              const HistogramConfig& windows = {}, const Plates& plates = {});
 
 /// Slopes and peak of p(eps): a row for each fitted window of all samples, then of each recording.
 /// @param all  windows of all; empty where they are of no one ball

@@ -46,7 +46,7 @@ class Comparison {
   std::vector<fit::CampaignRecording> recordings_;
   std::vector<RestitutionSamples> kept_, waiting_;
   std::size_t n_waiting_ = 0;  // samples
-  std::vector<std::string> of_named_balls_, of_others_, of_other_conditions_;
+  std::vector<std::string> of_named_balls_, of_others_, of_other_conditions_, of_other_plates_;
   std::optional<SampleConditions> first_;
 };
 
