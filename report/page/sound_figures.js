@@ -46,6 +46,7 @@ function drawPlayer(parent) {
   const text = atob(sound.wav_base64), bytes = Uint8Array.from(text, c => c.charCodeAt(0));
   const player = element('audio', {controls: '', preload: 'none', src: URL.createObjectURL(new Blob([bytes], {type: 'audio/wav'})), 'aria-label': `Sound from ${number(sound.t0_s, 3)} s on`});
   parent.append(player);
+  if (sound.t0_s > 0.05) parent.append(element('p', {class: 'caption'}, `The player begins ${sound.t0_s.toFixed(2)} s after the recording does.`));
   const within = wave.marks.filter(m => m.t_s >= sound.t0_s && m.t_s < sound.t0_s + sound.duration_s), most = 300;
   let context, decoded, playing;
   const play = async mark => {

@@ -31,15 +31,14 @@ constexpr Wording kWordings[]{
      "{0} sounds like impacts were heard, but no three of them follow each other as a ball's bounces do; drop "
      "one ball, and let it bounce until it rests"},
     {Kind::drops_too_short, warning,
-     "{0} {0|drop has|drops have} fewer than {1} impacts and {0|is|are} left out; --min-impacts takes shorter "
-     "drops"},
+     "{0} {0|drop has|drops have} fewer than {1} impacts and {0|is|are} left out (--min-impacts takes shorter drops)"},
     {Kind::eps_impossible, warning,
      "{0} of {1} samples have ε below 0 or above 1; check the order of the times, the columns and their units"},
     {Kind::odd_speeds, warning,
      "{0} of {1} speeds are not between 0.005 and 20 m/s; check that the {s}, and gravity in m/s^2"},
     {Kind::contradicted_height, warning,
-     "--drop-height {0:.4g} m does not fit {1} of {2} {2|drop|drops}, whose flights suggest {3:.2g} m; check the "
-     "height. Their first impact is left out"},
+     "the drop height of {0:.4g} m (--drop-height) does not fit {1} of {2} {2|drop|drops}, whose flights suggest "
+     "{3:.2g} m; check the height. Their first impact is left out"},
     {Kind::recording_left_out, warning, "{s}; left out"},
     {Kind::recordings_differ, warning,
      "the {0} {2|recordings|plates} differ by more than chance (p = {1:.2g}): {s}; use the value of each, "
@@ -95,7 +94,7 @@ constexpr Wording kWordings[]{
     {Kind::clipped, warning, "{0} of {1} impacts are clipped: record with less gain"},
     {Kind::of_file, warning, "{s}"},
     {Kind::beyond_speeds, warning, "ε at {0:.3g} m/s is extrapolated: the measured speeds are {1:.3g} to {2:.3g} m/s"},
-    {Kind::track_taken, warning, "audio track {0} of {1} (counted from 0) is used; --track takes another"},
+    {Kind::track_taken, warning, "audio track {0} of {1} (counted from 0) is used (--track takes another)"},
     {Kind::low_band, detail,
      "the times come from the sound below {0} Hz, where the impacts are clearest; they are less exact than "
      "times from all frequencies"},

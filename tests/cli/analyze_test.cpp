@@ -138,14 +138,14 @@ TEST_F(Analyze, SaysTheAnswerThenOneDoubtAtMostThenWhereTheReportIs) {
   ASSERT_EQ(lines.size(), 8u) << wrong.out;  // value, its change, energy, drops, what was taken, doubt of two, report
   EXPECT_THAT(lines[0], testing::StartsWith("ε = 0.8"));
   EXPECT_EQ(lines[4], "Taken: plate not known, gravity 9.81 m/s^2, air 1.2 kg/m^3.");
-  EXPECT_THAT(lines[5], testing::StartsWith("--drop-height 61.1 m does not fit"));
+  EXPECT_THAT(lines[5], testing::StartsWith("The drop height of 61.1 m (--drop-height) does not fit"));
   EXPECT_THAT(lines[7], testing::AllOf(testing::StartsWith("Report: "), testing::EndsWith("report.html")));
   // one number for one thing
   std::size_t n_eps = 0;
   for (std::size_t at = 0; (at = wrong.out.find("ε = ", at)) != std::string::npos; ++at) ++n_eps;
   EXPECT_EQ(n_eps, 1u) << wrong.out;
   // what else there is to say is kept
-  EXPECT_THAT(content("drop-bouncelab/summary.json"), testing::HasSubstr("61.1 m does not fit"));
+  EXPECT_THAT(content("drop-bouncelab/summary.json"), testing::HasSubstr("61.1 m (--drop-height) does not fit"));
 }
 
 TEST_F(Analyze, DiagnosticsShowEachDropFromTheInside) {
@@ -215,7 +215,7 @@ TEST_F(Analyze, ThreeImpactsAreADropThatIsKeptWithAWarningUnlessMoreAreAskedFor)
   EXPECT_EQ(json("four/summary.json")["n_onsets"], 20);
   EXPECT_EQ(json("four/summary.json")["recordings"][0]["status"], "too_few_impacts");
   expect_one_line_error(run("detect three.wav --out o.csv --min-impacts 4"), 1,
-                        {"three.wav", "1 drop has fewer than 4 impacts and is left out; --min-impacts"});
+                        {"three.wav", "1 drop has fewer than 4 impacts and is left out (--min-impacts"});
 }
 
 TEST_F(Analyze, WhereNoDropIsTenTimesAsLikelyABallThereIsAReportAndNoAnswer) {

@@ -309,7 +309,7 @@ units in cells | n;Time\n1;0.4 s\n2;1.0 s\n |  | line 2, column 'Time': '0.4 s' 
 two of that name | a,a\n0.1,0.2\n | --columns t=a | has no column 'a' (found: column 1, column 2)
 no such column | a,b\n0.1,0.2\n | --columns t=when | has no column 'when' (found: column 'a', column 'b')
 a clock time among numbers | t (ms)\n58000\n59000\n1:00.0\n |  | line 4, column 't (ms)': '1:00.0' is a clock time
-samples | drop,impact,v_mps,eps\n0,0,1,0.8\n |  | bouncelab fit takes it
+samples | drop,impact,v_mps,eps\n0,0,1,0.8\n |  | (bouncelab fit takes it)
 a drop not in its order | drop;t_s\n1;0.4\n1;1\n1;.5\n | --as times | line 4, column t_s: times must increase within a drop
 )x";
 

@@ -103,6 +103,14 @@ std::string table_of_notes() {
   return rows;
 }
 
+/// The page leaves out what stands in such a parenthesis (tools/web/page/trouble.js).
+TEST(Notes, NameOptionsOnlyInParenthesesThatBeginWithOne) {
+  for (int k = 0; k <= static_cast<int>(NoteKind::detector_failed); ++k) {
+    const std::string words = report::pattern_of(static_cast<NoteKind>(k));
+    EXPECT_EQ(std::regex_replace(words, std::regex(R"( \(--[^()]*\))"), "").find("--"), std::string::npos) << words;
+  }
+}
+
 /// The page with all tables as they are to be. A marker may name several: "FitInWords FitResult" is one table of both.
 std::string rewritten(const std::string& page) {
   static const std::regex marker("<!-- (of|columns of) ([A-Za-z ]+) -->\n");

@@ -51,10 +51,6 @@ bool is_command(const std::vector<std::string>& typed) {
   return !typed.empty() && command_named(all_commands(), typed.front()) != nullptr;
 }
 
-bool is_input(const std::string& typed) {
-  return typed == "-" || (std::filesystem::exists(typed) && !std::filesystem::is_directory(typed));
-}
-
 /// The arguments, with those in full that people write short: nothing asks for help, as does `help COMMAND`; recordings
 /// alone are to be analyzed.
 std::vector<std::string> in_full(std::vector<std::string> typed) {
@@ -62,7 +58,7 @@ std::vector<std::string> in_full(std::vector<std::string> typed) {
   if (typed.front() == "help") {
     typed.erase(typed.begin());
     typed.emplace_back("--help");
-  } else if (!is_command(typed) && is_input(typed.front())) {
+  } else if (!is_command(typed) && (typed.front() == "-" || std::filesystem::exists(typed.front()))) {
     typed.insert(typed.begin(), "analyze");
   }
   return typed;

@@ -97,7 +97,8 @@ fs::path readable(const fs::path& path) {
   if (const auto found = known.find(path.native()); found != known.end()) return found->second;
   const FileTarget target = target_of(path, STDIN_FILENO);
   if (target.kind == FileTarget::Kind::absent) throw FileError(name, "no such file; check the name");
-  if (target.kind == FileTarget::Kind::folder) throw FileError(name, "is a folder; name a file in it");
+  if (target.kind == FileTarget::Kind::folder)
+    throw FileError(name, "is a folder; name a file in it, or all: " + name + "/*");
   if (target.kind == FileTarget::Kind::regular) return path;
   return known[path.native()] = copied(target, name);
 }

@@ -39,6 +39,21 @@ std::string command_line_of(const ForeignOptions& options) {
   return text;
 }
 
+bool ForeignOptions::tells_speeds() const {
+  constexpr std::array<std::string_view, 4> kKeys{",v=", ",v_in=", ",v_out=", ",eps="};
+  return std::any_of(kKeys.begin(), kKeys.end(), [told = "," + columns](const std::string_view key) {
+    return told.find(key) != std::string::npos;
+  });
+}
+
+bool holds_speeds(const ForeignTable& table) {
+  if (table.options.tells()) return table.options.tells_speeds();
+  bool any = false, others = false;
+  for (const std::string& title : table.titles)
+    if (const auto unit = unit_of_title(title)) (unit->dimension == Dimension::speed ? any : others) = true;
+  return any && !others;
+}
+
 std::string title_of(const ForeignTable& table, std::size_t column) {
   return column < table.titles.size() ? table.titles[column] : std::string();
 }
@@ -245,9 +260,8 @@ namespace {
         readings.push_back({column_name(table, eps) + " is the coefficient",
                             {"auto", "auto", column_option(table, "v", v) + "," + column_option(table, "eps", eps)}});
   ask(table,
-      "which columns are the speed and the coefficient of restitution? Name them: --columns v=COLUMN,eps=COLUMN, or "
-      "v_in=COLUMN,v_out=COLUMN before and after a bounce; "
-      "impact times are for bouncelab restitution",
+      "which columns are the speed and the coefficient of restitution, or the speeds before and after a bounce "
+      "(--columns v=COLUMN,eps=COLUMN or v_in=COLUMN,v_out=COLUMN; impact times are for bouncelab restitution)?",
       std::move(readings));
 }
 
@@ -271,8 +285,8 @@ TakenTable samples_from_foreign(const ForeignTable& foreign) {
   };
   if (!are_speeds && unit_of_title(title_of(foreign, *eps)))
     foreign.refuse(column_name(foreign, *eps) +
-                   " has a unit, a coefficient of restitution has none; speeds before and after: --columns "
-                   "v_in=COLUMN,v_out=COLUMN");
+                   " has a unit, a coefficient of restitution has none (--columns v_in=COLUMN,v_out=COLUMN: "
+                   "speeds before and after)");
   const TitleUnit unit = unit_of_speed(*v);
   const double unit_mps = unit.si, after_mps = are_speeds ? unit_of_speed(*eps).si : 1.0;
   ForeignTable used{foreign.name, foreign.options, foreign.format, foreign.titles, {}};
@@ -299,7 +313,10 @@ TakenTable samples_from_foreign(const ForeignTable& foreign) {
   TakenTable taken;
   taken.table.columns = {Column{"v_mps", std::move(speeds), decimals_of(speed_rounding)},
                          Column{"eps", std::move(values), are_speeds ? -1 : decimals_of(eps_rounding)}};
-  if (are_speeds) taken.table.columns.push_back({"sigma_eps", std::move(sigma_eps)});
+  if (are_speeds) {  // of which nobody states an error
+    taken.table.columns.push_back({"sigma_eps", std::move(sigma_eps)});
+    taken.table.columns.push_back({"measured", std::vector<std::string>(used.rows.size(), kOfDigits)});
+  }
   add_own_columns(used, sample_columns(), taken.table);
   for (std::size_t k = 0; k < used.rows.size(); ++k) taken.table.stands_on(k, used.rows[k].line);
   const std::size_t n_left_out = foreign.rows.size() - used.rows.size();

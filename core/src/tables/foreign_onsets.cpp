@@ -67,7 +67,7 @@ Sequence numbers_of(const ForeignTable& table, const Selection& selection) {
     drop = told_column(table, "drop");
     if (!drop && columns.front() > 0) check_first_cells(table);
     if (!drop && std::count(table.titles.begin(), table.titles.end(), "drop") > 1)
-      ask(table, "several columns are called drop; name one: --columns t=COLUMN,drop=NUMBER", {});
+      ask(table, "several columns are called drop; name one (--columns t=COLUMN,drop=NUMBER)", {});
     if (!drop) drop = own_column(table, "drop");
   }
   const std::size_t length = by_rows ? columns.size() : table.rows.size();
@@ -307,7 +307,7 @@ Times times_of_flights(const ForeignTable& table, const Sequence& sequence, doub
     if (!(value > 0.0))
       table.refuse(place + (heights ? "a height of " + short_number(value) + "; heights are above 0: leave it out"
                                     : "an interval of " + short_number(value) +
-                                          "; intervals are above 0: leave it out, or say --as times"));
+                                          "; intervals are above 0: leave it out, or are they times (--as times)?"));
     const NumberCell* before = sequence.before(k);
     sum = before ? sum + before->value : 0.0, n = before ? n + 1.0 : 0.0;
     const bool is_last = k + 1 == sequence.values.size() || !sequence.before(k + 1);
@@ -364,7 +364,7 @@ std::vector<std::int64_t> drops_of(std::span<const double> t_s) {
 
 TakenTable onsets_from_foreign(const ForeignTable& table) {
   if (own_column(table, "eps") && own_column(table, "v_mps") && !own_column(table, "t_s") && !table.options.tells())
-    table.refuse("holds speeds and coefficients of restitution, no times; bouncelab fit takes it");
+    table.refuse("holds speeds and coefficients of restitution, no times (bouncelab fit takes it)");
   const auto from = told_column(table, "h0"), to = told_column(table, "h");
   const bool are_pairs = from && to;
   const Selection selection = are_pairs ? Selection{{*from, *to}, Dimension::length, true} : selection_of(table);

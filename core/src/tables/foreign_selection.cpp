@@ -286,7 +286,7 @@ Selection selection_of(const ForeignTable& table) {
       if (times.size() == 1) one(k, true);
   } else if (!columns.measured.empty()) {
     question = "no column is a time: " + column_name(table, columns.measured.front()) +
-               " is another quantity; bouncelab fit takes speeds and coefficients";
+               " is another quantity (bouncelab fit takes speeds and coefficients)";
   } else {
     question = table.titles.empty() ? "which column is of times or intervals?"
                                     : "no title has a unit, such as Time (s), t (ms) or h (m); numbers of frames or "

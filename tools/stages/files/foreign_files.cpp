@@ -126,27 +126,21 @@ TableReader open_samples(const fs::path& path, const ForeignOptions& options, st
   const std::string name = input_name(path);
   TakenTable taken = samples_from_foreign(read_foreign_table(decoded_text(whole_content(path), name), name, options));
   taken_for.push_back(line_of(path, taken.taken_for));
-  if (options.columns.find("v_in=") != std::string::npos)  // of which nobody states an error
-    taken.table.columns.push_back({"measured", std::vector<std::string>(taken.table.n_rows(), kOfDigits)});
   return TableReader(std::move(taken.table));
 }
 
 bool holds_speeds(const fs::path& path, const ForeignOptions& options) {
-  for (const char* key : {"v=", "v_in=", "v_out=", "eps="})
-    if (("," + options.columns).find(std::string(",") + key) != std::string::npos) return true;
+  if (options.tells_speeds()) return true;
   if (options.tells() || !may_be_foreign(path)) return false;
   const std::string head = decoded_head(path);
   if (has_columns(head, {"v_mps", "eps"})) return true;
   if (audio::is_own_table(head)) return false;
   const std::string name = input_name(path);
-  bool any = false, others = false;
   try {
-    for (const std::string& title : read_foreign_table(decoded_text(whole_content(path), name), name).titles)
-      if (const auto unit = unit_of_title(title)) (unit->dimension == Dimension::speed ? any : others) = true;
+    return bouncelab::holds_speeds(read_foreign_table(decoded_text(whole_content(path), name), name));
   } catch (const Error&) {  // which the reader of times says
     return false;
   }
-  return any && !others;
 }
 
 bool holds_times(const fs::path& path, bool has_rate) {

@@ -5,7 +5,7 @@ import {acceptFiles, readFile} from './files.js';
 import {Microphone} from './microphone.js';
 import {Settings} from './settings.js';
 import {SoundSection} from './sound_section.js';
-import {Trouble, checkBrowser, say, sayTrouble, working} from './trouble.js';
+import {Trouble, checkBrowser, plain, say, sayTrouble, working} from './trouble.js';
 import {drawDistributions, drawLaw, showAnswer} from './result.js';
 import {showDownloads} from './downloads.js';
 import {acceptNumbers} from './numbers.js';
@@ -55,6 +55,9 @@ async function show(result) {
   showDownloads($('downloads'), engine, open.stem, !result.failed, result.answer?.seen.n_impacts !== null, open.wav, sayTrouble);
 }
 
+/// The answer and its picture, or where the window is too low for both, from the answer on.
+const showFirst = () => document.querySelector('.first').scrollIntoView({block: 'nearest'});
+
 async function analyze(stays) {
   $('closed-loop').hidden = $('scatter').hidden = true;
   const result = await engine.run({task: 'analyze', options: optionsNow()});
@@ -67,7 +70,7 @@ async function analyze(stays) {
   await show(result);
   const seconds = `${open.note ? open.note + ' ' : ''}${number(open.duration_s, 3)} s of sound at ${number(open.rate_hz)} Hz, ${open.format}; computed in ${number(result.seconds, 2)} s.`;
   say(open.said ? `${open.said}${seconds}` : seconds);
-  $('answer').scrollIntoView({block: 'nearest'});
+  showFirst();
   document.dispatchEvent(new CustomEvent('bouncelab-result', {detail: {seconds: result.seconds, n_marks: result.marks.length}}));
 }
 
@@ -76,19 +79,20 @@ async function showTimes(stays) {
   const result = await engine.run({task: 'times', options: {...optionsNow(), ...open.reading}});
   stays();
   if (result.question) return ask(result.question);
+  settings.asksHeight(!/^(heights|speeds)/.test(result.takenFor));
   $('closed-loop').hidden = $('scatter').hidden = $('sound-section').hidden = true;
   $('result').hidden = false;
   await show(result);
   say(result.takenFor ? `Read as ${result.takenFor}.` : `${number(result.marks.length)} impact times.`);
-  $('answer').scrollIntoView({block: 'nearest'});
+  showFirst();
   document.dispatchEvent(new CustomEvent('bouncelab-result', {detail: {seconds: result.seconds, n_marks: result.marks.length}}));
 }
 
 /// What a table does not prove; a second question may follow the answer to the first.
 function ask(question) {
   $('result').hidden = true;
-  say(question.text.replace(/[^?]$/, '$&.'));
-  showQuestion(question, reading => {
+  say(plain(question.text).replace(/[^?]$/, '$&.'));
+  showQuestion(open.typed ? {...question, columns: []} : question, reading => {  // what is typed stands above
     $('result').hidden = true;
     open.reading = reading;
     work(showTimes);
@@ -119,7 +123,7 @@ async function refit(marks) {
 async function openSound(summary, more, stays) {
   stays();
   if (summary.times) {
-    open = {stem: summary.name.replace(/\.[^.]*$/, '') || 'times', times: true, reading: more.reading};
+    open = {stem: summary.name.replace(/\.[^.]*$/, '') || 'times', times: true, reading: more.reading, typed: Boolean(more.reading)};
     return showTimes(stays);
   }
   const {name, rate_hz, duration_s, format, peak} = summary;
@@ -136,6 +140,7 @@ async function openSound(summary, more, stays) {
 function clear() {
   $('result').hidden = true;
   hideQuestion();
+  settings.asksHeight(true);
   open = null;
 }
 
@@ -198,10 +203,10 @@ async function simulate() {
   }, true);
 }
 
-async function recorded(why) {
+async function recorded(why, warnings) {
   await work(async stays => {
     const name = `recording-${new Date().toISOString().slice(0, 19).replace(/:/g, '')}.wav`;
-    const summary = await engine.run({task: 'live-end', name});
+    const summary = await engine.run({task: 'live-end', name, warnings});
     $('recordings').hidden = true;
     await openSound(summary, {said: why, wav}, stays);
   }, true);

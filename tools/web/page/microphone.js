@@ -5,6 +5,10 @@ import {Trouble, say} from './trouble.js';
 
 const $ = id => document.getElementById(id);
 const kLongest_s = 600;
+/// What phones do to speech is wrong for impacts: it moves and weakens them.
+const kChanges = {echoCancellation: 'echo cancellation', noiseSuppression: 'noise suppression', autoGainControl: 'automatic gain', voiceIsolation: 'voice isolation'};
+const kUnchanged = Object.fromEntries(Object.keys(kChanges).map(name => [name, false]));
+const kPlace = $('level-says').textContent;
 const kBegin = 'Recording. Drop the ball.';
 
 /// What a browser's refusal means.
@@ -36,16 +40,19 @@ export class Microphone {
     this.recording = true;
     $('record').textContent = 'Stop';
     $('level').value = 0;
+    $('record-time').textContent = '';
     try {
-      this.stream = await navigator.mediaDevices.getUserMedia({audio: {echoCancellation: false, noiseSuppression: false, autoGainControl: false, channelCount: 1}});
+      this.stream = await navigator.mediaDevices.getUserMedia({audio: {...kUnchanged, channelCount: 1}});
     } catch (error) {
       throw refusal(error);
     }
     this.screen = await navigator.wakeLock?.request('screen').catch(() => null);  // a phone that falls asleep does not listen
     if (!this.recording) return this.close();
     this.begun();
-    const rate = this.stream.getAudioTracks()[0].getSettings().sampleRate;
-    this.context = new AudioContext(rate ? {sampleRate: rate} : {});
+    const {sampleRate, ...is} = this.stream.getAudioTracks()[0].getSettings(), changes = Object.keys(kChanges).filter(name => is[name]).map(name => kChanges[name]);
+    this.warnings = changes.length ? [`The browser changes the sound of the microphone, though it was asked not to (${changes.join(', ')}): impacts may be lost; record by an app that leaves the sound as it is, and choose its file`] : [];
+    $('level-says').textContent = changes.length ? `${this.warnings[0]}.` : kPlace;
+    this.context = new AudioContext(sampleRate ? {sampleRate} : {});
     const context = this.context;
     await context.audioWorklet.addModule('level_worklet.js');
     if (context !== this.context) return;  // stopped meanwhile
@@ -102,13 +109,14 @@ export class Microphone {
     if (!this.recording) return;
     const begun = Boolean(this.recorder);
     this.close();
-    if (begun) await this.finished(why);
+    if (begun) await this.finished(why, this.warnings);
   }
 
   close() {
     this.recording = false;
     $('record').textContent = 'Start recording';
     $('level').value = 0;
+    $('live-plot').replaceChildren();
     this.recorder?.disconnect();
     this.stream?.getTracks().forEach(track => track.stop());
     this.screen?.release();

@@ -11,7 +11,8 @@ export function roundTicks(lo, hi, n) {
   const step = [1, 2, 5, 10].map(m => m * power).find(s => s >= raw * 0.999);
   const decimals = Math.max(0, -Math.floor(Math.log10(step) + 1e-9));
   const first = Math.ceil(lo / step - 1e-9), last = Math.floor(hi / step + 1e-9);
-  return [...Array(Math.max(0, last - first + 1)).keys()].map(k => ({at: (first + k) * step, text: ((first + k) * step).toFixed(decimals).replace('-', '−')}));
+  const ticks = [...Array(Math.max(0, last - first + 1)).keys()].map(k => ({at: (first + k) * step, text: ((first + k) * step).toFixed(decimals).replace('-', '−')}));
+  return ticks.length < 2 ? roundTicks(lo, hi, 2 * n) : ticks;  // one number is no scale
 }
 const superscript = n => [...String(n)].map(c => c === '-' ? '⁻' : '⁰¹²³⁴⁵⁶⁷⁸⁹'[+c]).join('');
 const decadeTicks = (lo, hi) => [...Array(40).keys()].map(k => k - 20).filter(e => e >= Math.log10(lo) - 1e-9 && e <= Math.log10(hi) + 1e-9)

@@ -7,12 +7,13 @@ const $ = id => document.getElementById(id);
 
 export function showAnswer(result) {
   const [lead, ...rest] = result.answer?.sentences ?? [result.message || 'No bouncing ball was found in this sound.'];
-  $('answer').replaceChildren(element('p', {class: 'lead'}, plain(lead)), ...[...rest, ...(result.answer?.doubt ? [result.answer.doubt] : [])].map(s => element('p', {}, plain(s))),
-                              ...(result.answer && explanations(result.answer) ? [element('p', {class: 'caption'}, explanations(result.answer))] : []));
+  $('answer').replaceChildren(element('p', {class: 'lead'}, plain(lead)), ...[...rest, ...(result.answer?.doubt ? [result.answer.doubt] : [])].map(s => element('p', {}, plain(s))));
+  $('signs').textContent = result.answer ? explanations(result.answer) : '';
   const causes = result.fitted?.causes ?? [];
   $('why').replaceChildren(...(causes.length ? [causesBox(causes)] : []));
-  $('notes').replaceChildren(...result.warnings.map(w => element('li', {}, plain(w))));
-  $('notes-section').hidden = !result.warnings.length;
+  const said = (result.answer?.doubt ?? '').toLowerCase(), more = result.warnings.filter(w => !said.includes(w.toLowerCase()));
+  $('notes').replaceChildren(...more.map(w => element('li', {}, plain(w))));
+  $('notes-section').hidden = !more.length;
 }
 
 /// Shares of the values lie below the two bounds; a single wrong mark would set the scale otherwise.

@@ -29,9 +29,16 @@ export class Settings {
   /// A ball of the catalogue has its size, or is a material, whose size has to be given.
   isMaterial(ball) { return Boolean(ball) && !this.balls.find(b => b.name === ball)?.radius_m; }
 
+  /// Heights begin with that of the release, and speeds need none.
+  asksHeight(asks) {
+    $('height-field').hidden = $('height-says').hidden = !asks;
+    this.show();
+  }
+  get height() { return $('height-field').hidden ? '' : $('height').value; }
+
   show() {
     $('diameter-field').hidden = !this.isMaterial($('ball').value);
-    const parts = [this.ballText(), $('height').value ? `${$('height').value} cm` : ''].filter(Boolean);
+    const parts = [this.ballText(), this.height ? `${this.height} cm` : ''].filter(Boolean);
     $('settings-now').textContent = parts.length ? `(${parts.join(', ')})` : '(not given)';
   }
   ballText() {
@@ -44,7 +51,7 @@ export class Settings {
     const ball = $('ball').value;
     if (ball) options.ball = this.isMaterial(ball) ? `${ball}:${this.number('diameter', 'The diameter')}mm` : ball;
     if ($('plate').value) options.plate = $('plate').value;
-    if ($('height').value) options.drop_height_m = this.number('height', 'The drop height') / 100;
+    if (this.height) options.drop_height_m = this.number('height', 'The drop height') / 100;
     return options;
   }
   number(id, what) {

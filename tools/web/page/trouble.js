@@ -6,8 +6,8 @@ export class Trouble extends Error {}
 
 const $ = id => document.getElementById(id);
 
-/// What the command line calls an option is a field here.
-export const plain = text => text.replace(/\s*\((--[a-z-]+(, )?)+\)/g, '').replace(/\+-/g, '±').replace(/\beps\b/g, 'ε');
+/// Without what is for the command line: it stands in parentheses that begin with an option, or with the program's name.
+export const plain = text => text.replace(/\s*\((--|bouncelab )[^()]*\)/g, '').replace(/\+-/g, '±').replace(/\^2/g, '²').replace(/\beps\b/g, 'ε');
 
 export function say(text) {
   $('status').className = '';

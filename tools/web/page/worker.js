@@ -112,8 +112,8 @@ const tasks = {
   'live-more'({samples}) {
     live?.take(samples);
   },
-  'live-end'({name}) {
-    sound = {name, samples: live.all(), rate_hz: live.rate_hz, n_channels: 1, format: 'microphone, 32-bit float', warnings: []};
+  'live-end'({name, warnings}) {
+    sound = {name, samples: live.all(), rate_hz: live.rate_hz, n_channels: 1, format: 'microphone, 32-bit float', warnings};
     live.end();
     live = null;
     return soundSummary(sound);

@@ -82,7 +82,7 @@ loop::AnalyzeConfig config_of(const std::string& options_json, const std::vector
 
 /// @param name  of the recording or the file
 Analysis completed(loop::Analysis found, const loop::AnalyzeConfig& config, const std::string& name) {
-  if (found.onsets.empty())
+  if (found.onsets.empty() && !found.recordings.empty())
     throw InvalidArgument(name + ": " + report::in_words(found.recordings.front().found.notes.front()));
   if (found.restitution.samples.empty())
     throw InvalidArgument(name + ": no three successive impacts: no coefficient of restitution");
@@ -171,10 +171,36 @@ bool holds_times(const std::string& bytes) {
   return bytes.size() <= audio::kLongestOfTimes_bytes && audio::holds_times(head, head.size() == bytes.size());
 }
 
+namespace {
+
+/// Speeds that others measured; absent where the file holds something else, or what the reader of times refuses.
+std::optional<TakenTable> speeds_in(const std::string& bytes, const std::string& name, const ForeignOptions& how) {
+  if (audio::is_own_table(bytes)) return std::nullopt;
+  std::optional<ForeignTable> table;
+  try {
+    table = read_foreign_table(decoded_text(bytes, name), name, how);
+  } catch (const Error&) {
+    if (how.tells_speeds()) throw;
+  }
+  if (!table || !holds_speeds(*table)) return std::nullopt;
+  return samples_from_foreign(*table);
+}
+
+}  // namespace
+
 Analysis analyze_times(const std::string& bytes, const std::string& name, const std::string& options_json) {
   options::ForeignFileOptions how;
   const loop::AnalyzeConfig config = config_of(options_json, {options::section_of(how)});
   std::string taken_for;
+  if (std::optional<TakenTable> speeds = speeds_in(bytes, name, how.table)) {
+    RestitutionSamples samples = samples_from_table(speeds->table, name);
+    name_ball(samples, config.restitution.ball, config.restitution.plate);
+    loop::Analysis found;
+    with_threads(1, [&] { found = loop::analyze_samples(std::move(samples), config); });
+    Analysis analysis = completed(std::move(found), config, name);
+    analysis.taken_for = std::move(speeds->taken_for);
+    return analysis;
+  }
   Onsets onsets = audio::onsets_of_file(bytes, name, how.table, how.tier, taken_for);
   for (Onset& onset : onsets)
     if (onset.recording.empty()) onset.recording = name;

@@ -58,7 +58,8 @@ struct Analysis {
 Analysis analyze(const Sound& sound, const std::string& options_json);
 /// Is it a file of times or marks, rather than of sound?
 bool holds_times(const std::string& bytes);
-/// The same of a file of times, intervals or marks from any program, without sound. Options as, unit, columns, tier.
+/// The same of a file of times, intervals, heights, speeds or marks from any program, without sound. Options as, unit,
+/// columns, tier.
 /// @throws AmbiguousTable
 Analysis analyze_times(const std::string& bytes, const std::string& name, const std::string& options_json);
 /// The same of impacts that are given.

@@ -37,9 +37,11 @@ export async function launch(...args) {
 }
 
 /// A page that notes what must not happen: requests to others, errors, long tasks.
-export async function openPage(browser, url, {width = 1280, height = 900, before} = {}) {
+/// @param phone  with a finger, three pixels for one, four times as slow
+export async function openPage(browser, url, {width = 1280, height = 900, phone = false, before} = {}) {
   const page = await browser.newPage();
-  await page.setViewport({width, height});
+  await page.setViewport({width, height, ...(phone ? {deviceScaleFactor: 3, isMobile: true, hasTouch: true} : {})});
+  if (phone) await page.emulateCPUThrottling(4);
   page.foreign = [];
   page.errors = [];
   page.on('request', request => {

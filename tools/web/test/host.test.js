@@ -2,7 +2,7 @@
 // The page as a site: size, accessibility, phone, offline, and what the bars ask for, as printed figures.
 import assert from 'node:assert/strict';
 import {after, before, describe, test} from 'node:test';
-import {readFileSync, readdirSync, writeFileSync} from 'node:fs';
+import {cpSync, readFileSync, readdirSync, writeFileSync} from 'node:fs';
 import {join} from 'node:path';
 import {gzipSync} from 'node:zlib';
 import {analyzed, answered, clean, countOf, fromClean, launch, missing, openPage, ready, refitted, root, serve, site, truth, work} from './harness.js';
@@ -45,6 +45,7 @@ describe('the site', {skip: missing ?? false}, () => {
       await page.click('#typed summary');
       await check('numbers');
       await page.type('#numbers', '1, .81, .66, .53');
+      await page.select('#numbers-unit', 'm');
       await answered(page, () => page.click('#numbers-run'));
       await check('heights');
       await page.click('#typed summary');
@@ -93,12 +94,48 @@ describe('the site', {skip: missing ?? false}, () => {
     const own = await serve(site), page = await openPage(browser, own.url);
     await ready(page);
     await page.evaluate(async () => { await navigator.serviceWorker.ready; });
+    await analyzed(page, clean);
+    const answer = () => page.$eval('#answer', node => node.textContent), before = await answer();
     await own.close();  // from here on nobody answers
     await page.reload();
     await ready(page);
     await analyzed(page, clean);
     assert.equal(await countOf(page), truth.length);
+    assert.equal(await answer(), before);
     await page.close();
+  });
+
+  test('a new version comes whole, when no page of the old one is open any more', async () => {
+    const folder = join(work, 'site'), own = (cpSync(site, folder, {recursive: true}), await serve(folder));
+    const visited = async () => {
+      const page = await openPage(browser, own.url);
+      await page.evaluate(async () => { await navigator.serviceWorker.ready; });
+      await ready(page);
+      return page;
+    };
+    const change = (name, from, to) => writeFileSync(join(folder, name), readFileSync(join(folder, name), 'utf8').replace(from, to));
+    /// Which versions a page consists of: of its text, of a script of the worker, of what is kept.
+    const versions = page => page.evaluate(async () => [document.title, /changed/.test(await (await fetch('sound.js')).text()), await caches.keys()]);
+    const old = await visited(), [title, , [cache]] = await versions(old);
+    change('index.html', /<title>.*<\/title>/, '<title>changed</title>');
+    change('sound.js', /$/, '/* changed */');
+    change('service_worker.js', cache.replace('bouncelab-', ''), 'changed');
+    await old.evaluate(async () => {
+      const registration = await navigator.serviceWorker.ready, isWaiting = () => registration.waiting;
+      await registration.update();
+      while (!isWaiting()) await new Promise(done => setTimeout(done, 50));
+    });
+    await old.reload();
+    assert.deepEqual((await versions(old)).slice(0, 2), [title, false]);
+    await old.close();
+    let now = await visited();
+    for (let k = 0; k < 20 && await now.title() !== 'changed'; ++k) {  // the browser hands over a moment after the old page is gone
+      await now.close();
+      now = await visited();
+    }
+    assert.deepEqual(await versions(now), ['changed', true, ['bouncelab-changed']]);
+    await now.close();
+    await own.close();
   });
 
   test('the policy lets in no script but the page\'s own', async () => {
@@ -114,10 +151,13 @@ describe('the site', {skip: missing ?? false}, () => {
     await page.close();
   });
 
-  test('the manifest and the service worker are those of a page that can be installed', async () => {
-    const manifest = JSON.parse(readFileSync(join(site, 'manifest.webmanifest'), 'utf8'));
-    for (const key of ['name', 'short_name', 'start_url', 'display']) assert.ok(manifest[key], key);
-    for (const icon of manifest.icons) assert.ok(readdirSync(site).includes(icon.src), icon.src);
+  test('the page can be installed, with all of its files kept', async () => {
+    const page = await openPage(browser, server.url), session = await page.createCDPSession();
+    await ready(page);
+    const {errors, data} = await session.send('Page.getAppManifest'), {installabilityErrors} = await session.send('Page.getInstallabilityErrors');
+    assert.deepEqual([errors, installabilityErrors.map(e => e.errorId).filter(id => id !== 'in-incognito')], [[], []]);
+    assert.equal(JSON.parse(data).display, 'standalone');
+    await page.close();
     const worker = readFileSync(join(site, 'service_worker.js'), 'utf8'), kept = /kFiles ?= ?\[(.*?)\]/.exec(worker)[1].split(',').map(f => f.trim().slice(1, -1));
     assert.deepEqual(kept.filter(f => f !== './').sort(), readdirSync(site).filter(f => f !== 'service_worker.js' && !f.endsWith('.map')).sort());
     assert.ok(!worker.includes('@VERSION@'));

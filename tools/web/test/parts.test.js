@@ -9,6 +9,7 @@ import {columnsFrom, marksFrom} from '../page/tables.js';
 import {envelopeOf, interleave, kBlock} from '../page/sound.js';
 import {compare} from '../page/simulate.js';
 import {roundTicks} from '../page/picture.js';
+import {plain} from '../page/trouble.js';
 import {Live} from '../page/live.js';
 import {clean, fromClean, made} from './harness.js';
 
@@ -103,10 +104,17 @@ test('found beside the truth: missed and invented impacts are counted, the commo
   assert.ok(found.rms_s < 1e-12, `${found.rms_s}`);  // 0.1 s each, up to rounding
 });
 
+test('what is for the command line is left out', () => {
+  assert.equal(plain('name the ball (--ball).'), 'name the ball.');
+  assert.equal(plain('use the value of each (--pool makes one value of all); g in m/s^2'), 'use the value of each; g in m/s²');
+  assert.equal(plain("column 'v (m/s)' is another quantity (bouncelab fit takes speeds)"), "column 'v (m/s)' is another quantity");
+});
+
 test('axes have round numbers', () => {
   assert.deepEqual(roundTicks(0, 1.4, 4).map(t => t.text), ['0.0', '0.5', '1.0']);
   assert.deepEqual(roundTicks(-1, 1, 2).map(t => t.text), ['−1', '0', '1']);
   assert.deepEqual(roundTicks(0.97, 0.986, 3).map(t => t.text), ['0.97', '0.98']);
+  assert.deepEqual(roundTicks(3.55, 4.45, 3).map(t => t.text), ['3.6', '3.8', '4.0', '4.2', '4.4']);  // one alone is no scale
 });
 
 /// A detector that knows the truth, but only of impacts that begin 20 ms before the end of what it is given.

@@ -177,7 +177,7 @@ Annotations chosen(std::vector<Tier> tiers, const std::string& wanted, const std
     result.taken_for =
         what + " " +
         (tiers[best].name.empty() ? std::to_string(best + 1) : "'" + printable(tiers[best].name, 60) + "'") + " of " +
-        std::to_string(tiers.size()) + " (" + names + "; --tier takes another)";
+        std::to_string(tiers.size()) + " (" + names + ") (--tier takes another)";
   return result;
 }
 

@@ -185,10 +185,10 @@ class TimeGrid {
   };
 
   [[noreturn]] void refuse(std::size_t line, double t_s, double expected_s, double step_s) const {
-    throw FileError(name_,
-                    "line " + std::to_string(line) + ": " +
-                        formatted("time %.9g s, where steps of %.6g s lead to %.9g s", t_s, step_s, expected_s) +
-                        "; samples must follow at one rate: record again, or leave the column out and give --rate");
+    throw FileError(
+        name_, "line " + std::to_string(line) + ": " +
+                   formatted("time %.9g s, where steps of %.6g s lead to %.9g s", t_s, step_s, expected_s) +
+                   "; samples must follow at one rate: record again (--rate states the rate of samples without times)");
   }
 
   std::string name_;
@@ -234,7 +234,7 @@ SoundInfo read_number_text(std::istream& in, const std::string& name, std::optio
   if (has_times && rate_hz)
     throw InvalidArgument("--rate: " + name + " has a column of times, which give its rate; leave --rate out");
   if (!has_times && !rate_hz)
-    throw FileError(name, "holds numbers without times; give their sampling rate: --rate 48000");
+    throw FileError(name, "holds numbers without times or a sampling rate (--rate 48000 gives it)");
 
   const std::size_t n_skipped = first_column == FirstColumn::sample ? 0 : 1;
   const double unit_s = unit_of_times(table);
@@ -326,7 +326,7 @@ PlainSound npy_sound(FileBytes& bytes, std::optional<double> rate_hz) {
   if (shape[0] == 0 || n_channels == 0) refuse("holds no samples; record again");
   if (shape.size() == 2 && n_channels > 1 && (!is_c_order || n_channels > std::min(shape[0], kMostNpyChannels)))
     refuse("must be samples x channels in C order; save it so: np.ascontiguousarray(x.T)");
-  if (!rate_hz) refuse("a .npy file holds no sampling rate; give it: --rate 48000");
+  if (!rate_hz) refuse("a .npy file holds no sampling rate (--rate 48000 gives it)");
   info.rate_hz = *rate_hz;
   info.n_channels = static_cast<int>(n_channels);
   info.n_frames = shape[0];

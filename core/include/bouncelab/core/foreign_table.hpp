@@ -54,6 +54,8 @@ struct ForeignOptions {
   std::string columns;        ///< "t=Time (s),drop=2", "v=speed,eps=e": columns by title or by number from 1
 
   bool tells() const { return as != "auto" || unit != "auto" || !columns.empty(); }
+  /// Columns of speeds or of coefficients of restitution.
+  bool tells_speeds() const;
 };
 
 /// A table that another program or a person wrote.
@@ -133,7 +135,10 @@ inline constexpr double kLongestFlight_s = 10.0;
 /// kMissed times either of the two before it, of which a mark too many makes one short.
 std::vector<std::int64_t> drops_of(std::span<const double> t_s);
 
-/// Speeds and coefficients of restitution that others measured, as the table that samples_from_table reads.
+/// Whether the columns that are told, else the units of the titles, are of speeds and of no time or length.
+bool holds_speeds(const ForeignTable& table);
+/// Speeds and coefficients of restitution that others measured, or speeds before and after, as the table that
+/// samples_from_table reads.
 /// @throws FileError: a cell that is not a number, a unit that is not of a speed, coefficients per cent
 /// @throws AmbiguousTable: no columns v_mps and eps, and none named
 TakenTable samples_from_foreign(const ForeignTable& table);
