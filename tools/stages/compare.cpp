@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "commands/commands.hpp"
-
 #include <algorithm>
 #include <filesystem>
 #include <functional>
@@ -23,7 +21,7 @@
 #include "stages/files/table_file.hpp"
 #include "stages/stages.hpp"
 
-namespace bouncelab::cli {
+namespace bouncelab::stages {
 namespace {
 
 namespace fs = std::filesystem;
@@ -47,6 +45,16 @@ Outcome read_sounds(const std::vector<fs::path>& files, const CompareOptions& op
 }
 
 }  // namespace
+
+std::vector<Section> sections_of(CompareOptions& options) {
+  using O = CompareOptions;
+  static constexpr Member own[]{
+      member<&O::groups>("groups",
+                         "Table of columns recording, plate, date; without it dates in the recordings' names are taken")
+          .looks_like("FILE"),
+      member<&O::title>("title", "Title of the page")};
+  return {{"", own, &options}, ball_section(options.restitution.world, "not known", {"restitution"})};
+}
 
 Outcome run_compare(const CompareOptions& options, const Run& run) {
   const fs::path folder = options.out;
@@ -101,4 +109,4 @@ Outcome run_compare(const CompareOptions& options, const Run& run) {
   return outcome;
 }
 
-}  // namespace bouncelab::cli
+}  // namespace bouncelab::stages
