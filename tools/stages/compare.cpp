@@ -52,6 +52,8 @@ std::vector<Section> sections_of(CompareOptions& options) {
       member<&O::groups>("groups",
                          "Table of columns recording, plate, date; without it dates in the recordings' names are taken")
           .looks_like("FILE"),
+      member<&O::columns>("columns",
+                          "Which columns of a table of samples from elsewhere are what: v=COLUMN,eps=COLUMN"),
       member<&O::title>("title", "Title of the page")};
   return {{"", own, &options}, ball_section(options.restitution.world, "not known", {"restitution"})};
 }
@@ -77,7 +79,7 @@ Outcome run_compare(const CompareOptions& options, const Run& run) {
   const Outcome heard = read_sounds(sounds, options, run, take);
   Outcome outcome;
   outcome.notes = heard.notes;
-  for_each_recording(tables, run.common.n_threads, outcome.notes, take);
+  for_each_recording(tables, run.common.n_threads, options.columns, outcome.notes, take);
   loop::ComparedRecordings found = comparison.finish(origins);
   fit::BetweenRecordings& between = found.between;
   if (auto twice = report::note_of_repeated_drops(found.kept)) outcome.notes.push_back(*std::move(twice));

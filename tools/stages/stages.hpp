@@ -173,6 +173,7 @@ struct CompareOptions {
   std::vector<std::string> samples;  ///< files: samples, or sound
   std::string out;                   ///< folder
   std::string groups;                ///< table of plates and dates; empty: none
+  std::string columns;               ///< of a table of samples that this program did not write: "v=speed,eps=e"
   std::string title;                 ///< of the page; empty: of the folder
   RestitutionOptions restitution;    ///< of sound
 };
