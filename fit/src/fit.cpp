@@ -215,6 +215,7 @@ void compare_parts(FitResult& result, const Prepared& prepared, const FitConfig&
   const RestitutionSamples& used = prepared.used();
   if (config.compare_recordings)
     result.recordings = compare_recordings(used, config.law, result.law, config.histograms, config.plates);
+  result.recordings.plates = config.plates;
   if (result.curve) describe_rows(result.recordings, *prepared.part, result.curve->nodes, config);
   result.kinds_of_drops = two_kinds_of_drops(used);
   const bool recordings_agree =

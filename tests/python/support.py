@@ -23,7 +23,7 @@ def options(keywords):
     """The options of the command line that these keywords are."""
     given = []
     for name, value in keywords.items():
-        option = "--" + name.replace("_", "-")
+        option = "--" + name.replace("taken_as", "as").replace("_", "-")
         if value is True:
             given.append(option)
         elif isinstance(value, list):

@@ -16,19 +16,21 @@ NOT_IN_PYTHON = {"help", "json", "quiet", "config", "out", "labels", "force", "l
 NOT_IN = {"simulate": {"write_surface"}, "synthesize": {"truth", "each_drop", "codec"},
           "fit": {"table", "histograms", "slopes", "columns"},
           # that draws no random numbers; from_csv takes what files are
-          "restitution": {"seed", "threads", "as", "columns", "tier"}}
+          "restitution": {"seed", "threads", "as", "columns", "tier"}, "dem": {"seed", "threads"}}
 IN_PYTHON = {"progress", "name"}
-COMMANDS = ["simulate", "synthesize", "detect", "restitution", "fit", "roughness", "loop"]
+COMMANDS = ["analyze", "simulate", "synthesize", "detect", "restitution", "fit", "roughness", "compare", "dem", "loop"]
 
 
 class Keywords(Case):
     def test_names_are_those_of_the_help(self):
         for command in COMMANDS:
-            text = program(command, "--help")
+            text = program(command, "--help-all")
             names = {name.replace("-", "_") for name in re.findall(r"^  (?:-\w )?--([a-z-]+)", text, re.M)}
             names -= NOT_IN_PYTHON | NOT_IN.get(command, set())
-            if command == "loop":
+            if command in ("analyze", "compare", "loop"):
                 names |= {"out", "force"}
+            if "as" in names:  # a word of Python
+                names = names - {"as"} | {"taken_as"}
             found = inspect.signature(getattr(bl, command)).parameters
             keywords = {p.name for p in found.values() if p.kind == p.KEYWORD_ONLY}
             if command == "detect":  # a number beside the array
@@ -117,6 +119,45 @@ class Errors(Case):
         with self.assertWarnsRegex(bl.BouncelabWarning, "/nonexistent.wav: no such file.*left out"):
             onsets = bl.detect(["/nonexistent.wav", self.path("s.wav")])
         self.assertEqual(len(onsets), 30)
+
+    def test_analyze_takes_files_and_says_why_there_is_no_answer(self):
+        sound = small_sound(bl, small_impacts(bl, drops=1))
+        for given in (sound, sound.samples, self.onsets, [self.onsets]):
+            with self.assertRaisesRegex(ValueError, r"takes files, \w+ is given; .*fit\(restitution\(detect\("):
+                bl.analyze(given)
+        with self.assertRaisesRegex(OSError, "nonexistent.wav: no such file"):
+            bl.analyze("/nonexistent.wav", out=self.path("out"))
+        bl.Recording(np.zeros(50000, np.float32), 44100, name="", truth=self.onsets, others={}, bits="16").write(
+            self.path("silent.wav"))
+        with self.assertRaisesRegex(ValueError, "silent.wav: no sound is louder than the noise"):
+            bl.analyze(self.path("silent.wav"), out=self.path("out"))
+        with self.assertRaisesRegex(ValueError, "no three successive impacts"):
+            bl.analyze(self.written("t_s\n0\n1\n"), out=self.path("out"))
+        self.assertFalse(os.path.exists(self.path("out")))
+        falling = self.written("0.6\n0.51\n0.4335\n")
+        with self.assertRaisesRegex(ValueError, r"; say .*analyze\(path, taken_as='intervals', unit='s'\)"):
+            bl.analyze(falling)
+        analysis = bl.analyze(falling, taken_as="intervals", unit="s")
+        self.assertEqual((len(analysis.onsets), len(analysis.samples), len(analysis.fit.samples)), (4, 2, 2))
+
+    def test_what_cannot_be_compared(self):
+        few = bl.Samples(v=[1.0, 0.9], eps=[0.9, 0.9])
+        with self.assertWarnsRegex(bl.BouncelabWarning, "1 has 2 usable samples"):
+            comparison = bl.compare([few, few])
+        self.assertEqual((comparison.differences, [row["eps"] for row in comparison.recordings]), ([], [None, None]))
+        with self.assertRaisesRegex(TypeError, "int given"):
+            bl.compare([few, 3])
+        with self.assertRaises(OSError):
+            bl.compare("/nonexistent.csv")
+
+    def test_what_no_code_can_take(self):
+        fit = bl.fit(bl.Samples(v=small_impacts(bl).v, eps=small_impacts(bl).eps), goodness_replicates=0)
+        with self.assertRaisesRegex(ValueError, "fit: nothing memory for lammps: it has constant"):
+            bl.dem(fit, model="memory")
+        with self.assertRaisesRegex(ValueError, "--code"):
+            bl.dem(fit, code="lamps")
+        with self.assertRaises(OSError):
+            bl.dem("/nonexistent.json")
 
     def test_files_that_exist_are_kept(self):
         out = self.path("o.csv")

@@ -15,9 +15,9 @@ from support import Case
 
 MODULES = ["bouncelab", "bouncelab._functions", "bouncelab.notebook", "bouncelab.plot", "bouncelab.progress",
            "bouncelab.results", "bouncelab.stages", "bouncelab.theory"]
-FUNCTIONS = ["balls", "simulate", "synthesize", "detect", "restitution", "fit", "roughness", "loop",
-             "eps_of_law", "fluctuation_sides"]
-CLASSES = ["Impacts", "Onsets", "Samples", "Recording", "Fit", "Roughness", "Loop"]
+FUNCTIONS = ["analyze", "balls", "simulate", "synthesize", "detect", "restitution", "fit", "roughness", "compare", "dem",
+             "loop", "eps_of_law", "fluctuation_sides"]
+CLASSES = ["Analysis", "Comparison", "Impacts", "Onsets", "Samples", "Recording", "Fit", "Roughness", "Loop"]
 PACKAGE = pathlib.Path(bl.__file__).parent
 
 
@@ -31,6 +31,8 @@ def optional(name):
 class Examples(Case):
     def test_of_every_docstring(self):
         n = 0
+        self.addCleanup(os.chdir, os.getcwd())
+        os.chdir(self.folder)  # some write files
         for name in MODULES:
             if name == "bouncelab.plot" and optional("matplotlib") is None:
                 continue

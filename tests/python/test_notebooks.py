@@ -32,10 +32,10 @@ class Notebooks(Case):
         said = self.run_notebook("my_recording.py")  # the recording of the repository
         self.assertIn("ε = 0.9", said)
         self.assert_picture("my_recording.png")
-        self.assertTrue(os.path.exists(self.path("report.html")))
+        self.assertTrue(os.path.exists(self.path("analysis/report.html")))
         os.mkdir(self.path("mine"))
         self.run_notebook("my_recording.py", os.path.join(SAMPLES, "hard.flac"), "mine")
-        self.assertTrue(os.path.exists(self.path("mine/samples.csv")))
+        self.assertTrue(os.path.exists(self.path("mine/analysis/samples.csv")))
 
     def test_the_paper(self):
         said = self.run_notebook("paper_in_ten_minutes.py", "6", "50000")

@@ -7,7 +7,7 @@ import warnings
 
 import bouncelab as bl
 import numpy as np
-from support import Case, read, small_impacts, small_sound
+from support import SAMPLES, Case, read, small_impacts, small_sound
 
 try:
     import pandas
@@ -256,6 +256,15 @@ class Tables(Case):
 
     def test_the_message_says_what_was_found(self):
         self.assertRegex(self.onsets.message, "180 impacts in 6 drops")
+
+    def test_a_temporary_analysis_goes_with_its_result(self):
+        analysis = bl.analyze(os.path.join(SAMPLES, "clean.flac"))
+        folder = analysis.folder
+        self.assertIn(analysis.fit.answer.splitlines()[0], repr(analysis))
+        self.assertIsNotNone(analysis.fit.shown_samples())
+        self.assertTrue(os.path.exists(analysis.report))
+        del analysis
+        self.assertFalse(os.path.exists(folder))
 
     def test_a_temporary_loop_goes_with_its_result(self):
         with warnings.catch_warnings():

@@ -120,40 +120,84 @@ class Stages(Case):
                 self.assertEqual((list(fit.nodes), list(fit.parameters)), ([0.8, 1.1], ["A2", "A4"]))
         plates = self.path("plates.csv")
         with open(plates, "w", encoding="utf-8") as file:
-            file.write(f"recording,plate\n{samples.recording[0]},glass\n")
-        program("fit", csv, "--quiet", groups=plates, out=out, force=True, ok=(0, 1), goodness_replicates=0)
-        fit = quiet(bl.fit, samples, groups=plates, goodness_replicates=0)
+            file.write("recording,plate\n0.wav,glass\n1.wav,wood\n")
+        two = bl.Samples({**samples, "recording": [f"{drop // 3}.wav" for drop in samples.drop]})
+        two.to_csv(self.path("two.csv"))
+        program("fit", self.path("two.csv"), "--quiet", groups=plates, out=out, force=True, ok=(0, 1), goodness_replicates=0)
+        fit = quiet(bl.fit, two, groups=plates, goodness_replicates=0)
         self.assertEqual(fit._text, read(out))
         self.assertEqual(fit.results["recordings_are"], "plates")
-        self.assertEqual(len(fit.slopes), len(fit.results["histograms"]))
+        self.assertEqual([row["recording"] for row in fit.results["recordings"]], ["glass", "wood"])
         keywords = dict(goodness_replicates=9, ball="steel:6mm", plate="glass")
         self.assertEqual(quiet(bl.roughness, samples, **keywords).results, printed("roughness", csv, **keywords))
+    def test_dem(self):
+        impacts, file = small_impacts(bl), self.path("fit.json")
+        fit = bl.fit(bl.Samples(v=impacts.v, eps=impacts.eps), goodness_replicates=0)
+        with open(file, "w", encoding="utf-8") as out:
+            out.write(fit._text)
+        for keywords in ({}, dict(code="liggghts", youngs_modulus=1e8), dict(code="c++", model="fluctuating")):
+            expected = program("dem", file, **keywords)
+            self.assertGreater(len(expected), 100)
+            self.assertEqual((bl.dem(fit, **keywords), bl.dem(file, **keywords)), (expected, expected))
 
 
-
-class Loop(Case):
-    def test_quick(self):
-        keywords = dict(drops=2, impacts=15, asperities=5000, **LOUD)
+class Folders(Case):
+    def both(self, command, *words, **keywords):
+        """What the function of the command gives. Of the program's files it has every one, byte for byte."""
         for folder in ("program", "function"):
-            os.mkdir(self.path(folder))
-        program("loop", "--quiet", out="run", cwd=self.path("program"), ok=(0, 1), **keywords)
+            os.makedirs(self.path(folder), exist_ok=True)
+        program(command, *words, "--quiet", out=command, cwd=self.path("program"), ok=(0, 1), **keywords)
         self.addCleanup(os.chdir, os.getcwd())
         os.chdir(self.path("function"))
-        loop = quiet(bl.loop, out="run", **keywords)
-        files = sorted(name for name in os.listdir(self.path("program/run")) if not name.endswith(".meta.json"))
-        self.assertIn("fit.json", files)
-        for name in files:
-            with open(self.path("program/run/" + name), "rb") as a, open(loop.path(name), "rb") as b:
+        found = quiet(getattr(bl, command), *([list(words)] if words else []), out=command, **keywords)
+        self.assertEqual(sorted(os.listdir(command)), sorted(os.listdir(self.path(f"program/{command}"))))
+        for name in os.listdir(command):
+            if name.endswith(".meta.json"):  # has the command line
+                continue
+            with open(self.path(f"program/{command}/{name}"), "rb") as a, open(found.path(name), "rb") as b:
                 first, second = a.read(), b.read()
             self.assertGreater(len(second), 0, name)
             if name == "summary.json":
                 first, second = without_seconds(first), without_seconds(second)
-            if name == "report.html":  # tells how long the stages took
+            if name == "report.html" and command == "loop":  # tells how long the stages took
                 continue
             self.assertEqual(first, second, name)
+        return found
+
+    def test_analyze(self):
+        """Several sounds, with options of each stage, and heights by a table of elsewhere."""
+        names = [os.path.join(SAMPLES, name) for name in ("clean.flac", "hard.flac")]
+        found = self.both("analyze", *names, ball="steel:6mm", plate="glass", min_impacts=5, goodness_replicates=9, diagnostics=True)
+        self.assertEqual((found.summary, found.fit._text), (json.loads(read(found.path("summary.json"))), read(found.path("fit.json"))))
+        self.assertEqual((len(found.onsets), len(found.samples)), (found.summary["n_onsets"], found.summary["n_samples"]))
+        with open(self.path("heights.csv"), "w", encoding="ascii") as file:
+            file.write("1,.81,.66,.53,.43\n".replace(",", "\n"))
+        found = self.both("analyze", self.path("heights.csv"), taken_as="heights", unit="m", force=True)
+        self.assertEqual(len(found.samples), 4)
+
+    def test_compare(self):
+        """Files of samples, with plates, and the same tables in memory."""
+        tables = [bl.Samples(v=i.v, eps=i.eps - 0.01 * k, drop=i.drop, impact=i.impact, recording=["ab"[k]] * len(i))
+                  for k, i in enumerate(small_impacts(bl, drops=3, seed=1 + k) for k in range(2))]
+        for k, table in enumerate(tables):
+            table.to_csv(self.path(f"{k + 1}.csv"))
+        with open(self.path("plates.csv"), "w", encoding="ascii") as file:
+            file.write("recording,plate\na,glass\nb,wood\n")
+        keywords = dict(groups=self.path("plates.csv"), title="Plates")
+        found = self.both("compare", self.path("1.csv"), self.path("2.csv"), **keywords)
+        self.assertEqual(found.results, json.loads(read(found.path("comparison.json"))))
+        self.assertEqual([row["plate"] for row in found.recordings], ["glass", "wood"])
+        self.assertIn("glass", found.answer)
+        self.assertAlmostEqual(found.differences[0]["offset"]["value"], -0.01, delta=0.005)
+        self.assertEqual(quiet(bl.compare, tables, **keywords).results, found.results)
+        alike = [dict(table, recording=["drop"] * len(table)) for table in tables]
+        self.assertEqual([row["recording"] for row in quiet(bl.compare, alike).recordings], ["drop", "drop (2)"])
+
+    def test_loop(self):
+        loop = self.both("loop", drops=2, impacts=15, asperities=5000, **LOUD)
         self.assertEqual(without_seconds(json.dumps(loop.summary)), without_seconds(read(loop.path("summary.json"))))
         self.assertEqual(len(loop.impacts), 30)
-        self.assertEqual(loop.fit._text, read(self.path("program/run/fit.json")))
+        self.assertEqual(loop.fit._text, read(self.path("program/loop/fit.json")))
 
 
 def without_seconds(text):

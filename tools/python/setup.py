@@ -3,7 +3,8 @@
 
 Where tools/run or tools/test has built (build/release) for a Python of this version, its libraries are taken and the
 module alone is compiled. Else the build folder is build/pip-cp311, and stays: the next installation compiles what
-changed. Further variables of CMake: the environment's CMAKE_ARGS.
+changed. Further variables of CMake: the environment's CMAKE_ARGS. BOUNCELAB_BUILD names a folder in which the module is
+built already, by tools/package.
 """
 import os
 import re
@@ -35,6 +36,16 @@ class CMakeBuild(build_ext):
     """Takes what CMake installs."""
 
     def run(self) -> None:
+        built = os.environ.get("BOUNCELAB_BUILD")
+        if built is None:
+            built = self.build()
+        with tempfile.TemporaryDirectory() as prefix:
+            self.call("cmake", "--install", built, "--component", "python", "--strip", "--prefix", prefix)
+            package, = Path(prefix).rglob("bouncelab/__init__.py")
+            shutil.copytree(package.parent, Path(self.build_lib).resolve() / "bouncelab", dirs_exist_ok=True)
+
+    def build(self) -> Path:
+        """Makes the module; the folder that it stands in."""
         missing = [tool for tool in ("cmake", "ninja", "c++", "pkg-config") if shutil.which(tool) is None]
         if not Path(sysconfig.get_paths()["include"], "Python.h").exists():
             missing.append("Python.h of " + sys.executable + " (python3-dev)")
@@ -49,10 +60,7 @@ class CMakeBuild(build_ext):
                       "-DBOUNCELAB_BINDINGS=OFF", "-DBOUNCELAB_TESTS=OFF", f"-DPython3_EXECUTABLE={sys.executable}",
                       *shlex.split(os.environ.get("CMAKE_ARGS", "")))
         self.call("cmake", "--build", build, "--target", "bouncelab_python_package")
-        with tempfile.TemporaryDirectory() as prefix:
-            self.call("cmake", "--install", build, "--component", "python", "--strip", "--prefix", prefix)
-            package, = Path(prefix).rglob("bouncelab/__init__.py")
-            shutil.copytree(package.parent, Path(self.build_lib).resolve() / "bouncelab", dirs_exist_ok=True)
+        return build
 
     @staticmethod
     def is_for_this_python(build: Path) -> bool:

@@ -16,6 +16,9 @@ PROGRESS = ("progress", "bool or callable, optional",
             "True: a bar, where tqdm is installed. A function is called as ``progress(label, done, total, unit)``; what "
             "it raises ends the work, and so does Ctrl-C.")
 
+KEYWORDS = {"as": "taken_as"}  # of options whose names are words of Python
+OUT_FOLDER = ("out", "path", None, "Folder of the files; where absent a temporary one, which goes with the result.")
+
 FUNCTIONS = {
     "simulate": dict(
         what="Drops a rough ball: impact times, velocities, asperities.",
@@ -104,6 +107,49 @@ FUNCTIONS = {
             >>> found = bl.roughness(columns, ball="steel:6mm", plate="glass", goodness_replicates=9)
             >>> bool(found.q.lo95 < found.q.value < found.q.hi95)
             True'''),
+    "analyze": dict(
+        what="From recordings, or times, heights or speeds, to eps(v) and a report: detect, restitution, fit in one.",
+        positional=[
+            ("recordings", "path or list of paths", None,
+             "Sound, as `detect` takes its files, or tables of impact times, intervals, heights or speeds, and marks, of "
+             "any program. Of sound in arrays: `detect`, `restitution`, `fit`.")],
+        keywords=[OUT_FOLDER],
+        returns=("Analysis", "Onsets, samples, fit, report."),
+        call="_stages.analyze(recordings, out, given, progress)", keep={"force"},
+        example='''
+            >>> import bouncelab as bl
+            >>> impacts = bl.simulate(drops=1, impacts=40, asperities=100000)
+            >>> bl.synthesize(impacts, rate=44100, max_mode=20000).write("drop.wav")
+            >>> analysis = bl.analyze("drop.wav")
+            >>> len(analysis.onsets), round(analysis.fit.eps(1.0).value, 2)
+            (40, 0.98)'''),
+    "compare": dict(
+        what="Recordings with each other: by what two differ; of many the pooled law, drift, plates, outliers.",
+        positional=[
+            ("samples", "path, Samples, mapping or DataFrame, or list of them", None,
+             "Two recordings or more: files of samples or of sound, or tables in memory, in which the column "
+             "``recording`` names them; without it they are called 1, 2 ...")],
+        keywords=[OUT_FOLDER],
+        returns=("Comparison", "In words and numbers."),
+        call="_stages.compare(samples, out, given, progress)", keep={"force"},
+        example='''
+            >>> import bouncelab as bl
+            >>> steel, worn = (bl.simulate(drops=4, impacts=40, asperities=100000, law=law, seed=seed)
+            ...                for law, seed in (("constant:0.97", 1), ("constant:0.95", 2)))
+            >>> comparison = bl.compare([bl.Samples(v=i.v, eps=i.eps, drop=i.drop, impact=i.impact) for i in (steel, worn)])
+            >>> [round(abs(row["offset"]["value"]), 2) for row in comparison.differences]
+            [0.02]'''),
+    "dem": dict(
+        what="A fitted ball as input of a discrete-element code, or as a function that draws its scatter (docs/dem.md).",
+        positional=[("fit", "Fit, or path of fit.json", None, "As `fit`, `analyze` and `loop` give it.")],
+        returns=("str", "One impact on a plate, complete, to try and to copy from; or the function."),
+        call="_stages.dem(fit, given)", progress=False, without={"seed", "threads"},
+        example='''
+            >>> import bouncelab as bl
+            >>> impacts = bl.simulate(drops=3, impacts=40, asperities=100000)
+            >>> fit = bl.fit(bl.Samples(v=impacts.v, eps=impacts.eps), goodness_replicates=0)
+            >>> print(bl.dem(fit, code="lammps")[:8])
+            # LAMMPS'''),
     "validate": dict(
         what="An onset detector against synthesized sound whose times are exactly known.",
         positional=[
@@ -122,7 +168,7 @@ FUNCTIONS = {
             (1.0, 2)'''),
     "loop": dict(
         what="The closed loop: simulate, synthesize, detect, restitution, fit, report, every stage in a folder.",
-        keywords=[("out", "path", None, "Folder of the files; where absent a temporary one, which goes with the result.")],
+        keywords=[OUT_FOLDER],
         returns=("Loop", "What went in and what came out."),
         call="_stages.loop(out, given, progress)", keep={"force"},
         example='''
@@ -194,7 +240,7 @@ def help_of(option):
 
 def function(name, spec):
     without = spec.get("without", set()) | NOT_IN_PYTHON | ({"force"} - spec.get("keep", set()))
-    options = [dict(option, keyword=option["name"].replace("-", "_")) for option in json.loads(_core.options(name))
+    options = [dict(option, keyword=KEYWORDS.get(option["name"], option["name"].replace("-", "_"))) for option in json.loads(_core.options(name))
                if option["name"] not in without]
     positional, keywords = spec.get("positional", []), spec.get("keywords", [])
     arguments = [f"{key}: Any" + (f" = {default}" if default else "") for key, _, default, _ in positional] + ["*"]
@@ -237,7 +283,7 @@ from typing import Any, Dict, Literal, Optional, Sequence, Union
 
 from . import stages as _stages
 from .progress import Callback
-from .results import Fit, Impacts, Loop, Onsets, Recording, Roughness, Samples, Validation
+from .results import Analysis, Comparison, Fit, Impacts, Loop, Onsets, Recording, Roughness, Samples, Validation
 
 '''
 text += "\n".join("\n" + function(name, spec) for name, spec in FUNCTIONS.items())

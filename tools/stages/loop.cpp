@@ -229,10 +229,10 @@ std::vector<Section> sections_of(LoopOptions& options) {
   return sections;
 }
 
-void apply_preset(LoopOptions& options, const Given& given) {
+void prepare(LoopOptions& options, const Given& given) {
   if (!is_paper(options)) return;
   options.scene.simulate.preset = options.preset;
-  apply_preset(options.scene.simulate, given);
+  prepare(options.scene.simulate, given);
   synthesis::SynthesisConfig& sound = options.scene.synthesize.config;
   if (!given.contains("lead-in")) sound.lead_in_s = loop::kPaperLeadIn_s;
   if (!given.contains("pause")) sound.pause_s = loop::kPaperPause_s;

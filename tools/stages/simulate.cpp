@@ -56,7 +56,7 @@ Object summary_of(const sim::SimulationResult& result, const Ball& ball) {
   return summary;
 }
 
-void apply_preset(SimulateOptions& options, const Given& given) {
+void prepare(SimulateOptions& options, const Given& given) {
   if (options.preset != "paper") return;
   if (!given.contains("drops")) options.config.n_drops = loop::kPaperDrops;
   if (!given.contains("impacts")) options.config.n_impacts_max = loop::kPaperImpacts;

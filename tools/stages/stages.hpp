@@ -37,9 +37,10 @@ RestitutionOptions with_conditions_of(const std::vector<std::filesystem::path>& 
 std::string ball_line(const BallChoice& choice);
 
 // sections_of(): the options of a stage but for the files that it reads and writes.
+// prepare(): sets what was not typed.
 
 /// With --preset paper the number of drops and impacts of the paper's run, where the user did not set them.
-void apply_preset(SimulateOptions& options, const Given& given);
+void prepare(SimulateOptions& options, const Given& given);
 
 /// The asperities of the file that the options name; absent where they name none. @throws FileError
 std::optional<sim::Surface> surface_from_file(const SimulateOptions& options, const Ball& ball);
@@ -155,6 +156,46 @@ std::vector<Section> sections_of(RoughnessOptions& options);
 /// Exit code 1 where the scatter is not that of a rough ball, or there are too few impacts to know.
 Outcome run_roughness(const RoughnessOptions& options, const Run& run);
 
+struct AnalyzeOptions {
+  std::string out;
+  DetectOptions detect;
+  RestitutionOptions restitution;  ///< with the ball, which the fit reads in the samples
+  FitOptions fit;
+  bool diagnostics = false;  ///< details of each drop in the report
+};
+
+std::vector<Section> sections_of(AnalyzeOptions& options);
+/// What is known of the recordings, as with_conditions_of.
+void prepare(AnalyzeOptions& options, const Given& given);
+Outcome run_analyze(const AnalyzeOptions& options, const Run& run);
+
+struct CompareOptions {
+  std::vector<std::string> samples;  ///< files: samples, or sound
+  std::string out;                   ///< folder
+  std::string groups;                ///< table of plates and dates; empty: none
+  std::string columns;               ///< of a table of samples that this program did not write: "v=speed,eps=e"
+  std::string title;                 ///< of the page; empty: of the folder
+  RestitutionOptions restitution;    ///< of sound
+};
+
+/// With the table of plates.
+std::vector<Section> sections_of(CompareOptions& options);
+/// Exit code 1 where too few recordings can be compared; what is known of each is written all the same.
+Outcome run_compare(const CompareOptions& options, const Run& run);
+
+struct DemOptions {
+  std::string fit;
+  std::string code = "lammps";
+  std::string model;  ///< empty: the first that the fit has for the code
+  std::optional<double> youngs_modulus_pa;
+};
+
+std::vector<Section> sections_of(DemOptions& options);
+/// What the content of options.fit has for the code. Exit code 1 where it has nothing of the kind.
+/// @throws FileError where it is no fit.json
+Outcome dem_of(const std::string& content, const DemOptions& options);
+Outcome run_dem(const DemOptions& options, const Run& run);
+
 struct LoopOptions {
   std::string preset = "quick";
   std::string out;
@@ -170,7 +211,7 @@ Outcome run_loop(const LoopOptions& options, const Run& run);
 /// With the folder and the ball.
 std::vector<Section> sections_of(LoopOptions& options);
 /// The paper's run, where the user did not choose otherwise.
-void apply_preset(LoopOptions& options, const Given& given);
+void prepare(LoopOptions& options, const Given& given);
 
 struct ReportOptions {
   std::string folder;  ///< with fit.json and what lies beside it, or the page of a comparison or validation

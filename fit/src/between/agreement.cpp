@@ -199,7 +199,6 @@ Recordings compare_recordings(const RestitutionSamples& samples, const LawFitCon
   const std::vector<Row> recordings = by_row(samples, plates);
   if (recordings.size() < 2) return {};
   Recordings result;
-  result.plates = plates;
   result.rows.resize(recordings.size());
   with_threads(0, [&] {
     parallel_for(recordings.size(), 0, [&](std::size_t k) {

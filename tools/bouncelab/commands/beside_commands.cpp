@@ -1,15 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "bouncelab/core/ball.hpp"
-#include "bouncelab/core/error.hpp"
-#include "bouncelab/core/files.hpp"
 #include "bouncelab/report/answer.hpp"
-#include "bouncelab/report/page.hpp"
 #include "commands/commands.hpp"
 #include "options/commands.hpp"
 #include "stages/stages.hpp"
@@ -44,40 +40,6 @@ Outcome run_balls() {
                         kind.what, kind.material.density_kgpm3, 1e-9 * kind.material.youngs_modulus_pa,
                         kind.material.poisson_ratio, kind.loss_factor);
   outcome.result = catalogue();
-  return outcome;
-}
-
-Outcome run_dem(const DemOptions& options, const Run&) {
-  const std::string content = whole_content(options.fit);
-  const auto json = nlohmann::json::parse(content, nullptr, false);
-  if (!stages::is_fit(content))
-    throw FileError(options.fit, "it is no fit.json of this version; make it anew: bouncelab fit samples.csv");
-  if (!json.value("is_one_ball", true))
-    throw FileError(
-        options.fit,
-        "its recordings or drops do not agree, one ε for all would belong to no ball: fit each alone, or all "
-        "with --pool");
-  std::optional<fit::DemExport> dem;
-  try {
-    dem = report::dem_of_fit(content, options.youngs_modulus_pa);
-  } catch (const InvalidArgument& error) {
-    throw FileError(options.fit, error.what());
-  }
-  if (!dem)
-    throw FileError(options.fit, "it has nothing for these codes: no law was fitted, or its ε is not between 0 and 1");
-  Outcome outcome;
-  std::string has;
-  for (const fit::Snippet& snippet : dem->snippets) {
-    if (lower_case(snippet.program) != options.code) continue;
-    has += (has.empty() ? "it has " : ", ") + snippet.model;
-    if (!(options.model.empty() || snippet.model == options.model)) continue;
-    outcome.text = snippet.text;
-    outcome.result = {{"program", snippet.program}, {"model", snippet.model}, {"text", snippet.text}};
-    return outcome;
-  }
-  outcome.error = options.fit + ": nothing " + options.model + " for " + options.code + ": " + has +
-                  (has.empty() || dem->missing.empty() ? "" : "; ") + dem->missing;
-  outcome.exit_code = kNotUsable;
   return outcome;
 }
 

@@ -16,13 +16,7 @@ namespace {
 constexpr const char *kWhole = "From recording, or simulation, to the answer", *kStages = "Step by step",
                      *kBeside = "Beside them";
 
-constexpr Member kList =
-    member<&DetectOptions::list>("list", "File with more recordings, one a line").looks_like("FILE");
-
-Section in_full_help(Section section) {
-  section.only_in_full_help = true;
-  return section;
-}
+constexpr const char* kList = "File with more recordings, one a line";
 
 /// A command of one struct of options: its files, what describes it otherwise, `more`.
 /// @param run      from the options and the Run to the Outcome
@@ -54,45 +48,30 @@ std::string folder_beside(const std::vector<std::filesystem::path>& recordings) 
 
 Command analyze_command() {
   using O = AnalyzeOptions;
-  static constexpr Member recordings[]{
-      member<&DetectOptions::recordings>(
+  static constexpr Member files[]{
+      member<&O::detect, &DetectOptions::recordings>(
           "recordings",
           "Recordings: WAV, FLAC, MP3 ...; m4a, mp4 and others by ffmpeg; .npy, .csv of samples; - = standard input; "
           "or tables of impact times, intervals, heights or speeds, and marks, of any program")
           .positional(),
-      kList};
-  static constexpr Member outputs[]{
+      member<&O::detect, &DetectOptions::list>("list", kList).looks_like("FILE"),
       member<&O::out>(
           "out",
           "Folder for onsets, samples, fit and report (default: beside the first recording, its name + -bouncelab; "
           "of three NAME-and-2-more-bouncelab)")
-          .writes("FOLDER"),
-      member<&O::diagnostics>(
-          "diagnostics", "Details of each drop in the report: sound and marks, intervals, learned waveform, noise")};
-  auto options = std::make_shared<O>();
-  return {
-      "analyze",
-      kWhole,
-      "Recordings, or times, heights, speeds -> eps(v) -> constants and a report; nothing has to be set",
-      "Example: bouncelab analyze drop.wav --out out/drop\n"
-      "         bouncelab analyze times.csv --ball table-tennis\n"
-      "         bouncelab analyze heights.csv --as heights --unit m   # 1, .81, .66: release, then each bounce",
-      {"detect", "restitution", "fit", "report"},
-      false,
-      {},
-      {{"", recordings, &options->detect},
-       {"", outputs, options.get()},
-       ball_section(options->restitution.world, "not known, so that drag and contact time stay open",
-                    {"restitution", "fit"}),
-       in_full_help(section_of(options->restitution.foreign, "Marks and tables of other programs, in place of sound")),
-       in_full_help(section_of(options->detect.config, "Detection", {"detect"})),
-       in_full_help(section_of(options->restitution.config, "Coefficients of restitution", {"restitution"})),
-       in_full_help(section_of(options->fit.config, "Fit", {"fit"}))},
-      [options](const Given& given) {
-        if (options->out.empty()) options->out = folder_beside(recordings_of(options->detect));
-        options->restitution = with_conditions_of(recordings_of(options->detect), options->restitution, given);
-      },
-      [options](Run& run) { return run_analyze(*options, run); }};
+          .writes("FOLDER")};
+  return command_of<O>(
+      {"analyze",
+       kWhole,
+       "Recordings, or times, heights, speeds -> eps(v) -> constants and a report; nothing has to be set",
+       "Example: bouncelab analyze drop.wav --out out/drop\n"
+       "         bouncelab analyze times.csv --ball table-tennis\n"
+       "         bouncelab analyze heights.csv --as heights --unit m   # 1, .81, .66: release, then each bounce",
+       {"detect", "restitution", "fit", "report"}},
+      files, run_analyze, +[](O& options, const Given& given) {
+        if (options.out.empty()) options.out = folder_beside(recordings_of(options.detect));
+        prepare(options, given);
+      });
 }
 
 Command loop_command() {
@@ -105,7 +84,7 @@ Command loop_command() {
        "          bouncelab loop --config samples/sweep.toml --out out/sweep   (lists in the file are run through)",
        {"simulate", "synthesize", "detect", "restitution", "fit", "report"},
        true},
-      {}, run_loop, apply_preset);
+      {}, run_loop, prepare);
 }
 
 Command simulate_command() {
@@ -122,7 +101,7 @@ Command simulate_command() {
                         {{"Columns of the impacts", description_of(columns_of(static_cast<const Impact*>(nullptr)))},
                          {"With --state also, at the instant of contact, z normal to the plate",
                           description_of(columns_of(static_cast<const ImpactState*>(nullptr)))}}},
-                       files, run_simulate, apply_preset);
+                       files, run_simulate, prepare);
 }
 
 Command synthesize_command() {
@@ -163,7 +142,8 @@ Command detect_command() {
           "recordings",
           "Recordings: WAV, FLAC, MP3 ...; m4a, mp4 and others by ffmpeg; .npy, .csv of samples; - = standard input")
           .positional(),
-      kList, member<&DetectOptions::out>("out", "Onsets, .csv").writes("FILE").required(),
+      member<&DetectOptions::list>("list", kList).looks_like("FILE"),
+      member<&DetectOptions::out>("out", "Onsets, .csv").writes("FILE").required(),
       member<&DetectOptions::labels>("labels", "Also an Audacity label track").writes("FILE")};
   return command_of<DetectOptions>(
       {"detect", kStages, "Impact times of bouncing balls in recordings, with standard errors; nothing has to be set",
@@ -251,18 +231,13 @@ Command compare_command() {
                           "Samples, as restitution writes them, ordered by recording, or recordings: from 2 on")
           .required()
           .positional(),
-      member<&O::out>("out", "Folder for comparison.json, comparison.csv and report.html").writes("FOLDER").required(),
-      member<&O::groups>("groups",
-                         "Table of columns recording, plate, date; without it dates in the recordings' names are taken")
-          .looks_like("FILE"),
-      member<&O::title>("title", "Title of the page")};
+      member<&O::out>("out", "Folder for comparison.json, comparison.csv and report.html").writes("FOLDER").required()};
   return command_of<O>(
       {"compare", kStages,
        "Two recordings or plates: do they differ, and by what? Many: the pooled law, drift, plates, outliers",
        "Example: bouncelab compare glass.wav wood.wav --out out/plates\n"
        "         bouncelab compare samples.csv --groups plates.csv --out out/campaign"},
-      files, run_compare, nullptr,
-      +[](O& options) { return ball_section(options.restitution.world, "not known", {"restitution"}); });
+      files, run_compare);
 }
 
 Command report_command() {
@@ -286,22 +261,14 @@ Command report_command() {
 
 Command dem_command() {
   using O = DemOptions;
-  static constexpr Member all[]{
-      member<&O::fit>("fit", "fit.json, as fit, analyze and loop write it").required().positional(),
-      member<&O::code>("code", "For which code").one_of("liggghts,lammps,yade,mercurydpm,c++,python,formulas"),
-      member<&O::model>("model", "Of the contact; default: constant eps, fluctuating for c++, python and formulas")
-          .one_of("constant,viscoelastic,fluctuating,memory"),
-      member<&O::youngs_modulus_pa>("youngs_modulus",
-                                    "Young's modulus of the simulated balls and plate, softer than the measured ones "
-                                    "so that steps may be longer; eps stays what it is, the damping is adapted "
-                                    "(default: as stiff as the measured ball) [Pa]")
-          .within(1e3, 1e13)};
+  static constexpr Member file[]{
+      member<&O::fit>("fit", "fit.json, as fit, analyze and loop write it").required().positional()};
   return command_of<O>(
       {"dem", kStages,
        "Prints a fitted ball as input of a discrete-element code: one impact on a plate, complete, to try and to copy "
        "from; or a function that draws fluctuating coefficients of restitution (docs/dem.md)",
        "Example: bouncelab dem fit.json --code lammps --model viscoelastic > in.ball && lmp -in in.ball -var v 0.3"},
-      all, run_dem);
+      file, run_dem);
 }
 
 Command convert_command() {

@@ -3,6 +3,8 @@
 
     import bouncelab as bl
 
+    analysis = bl.analyze("drop.wav")     # all at once: analysis.fit.answer, analysis.report
+
     onsets = bl.detect("drop.wav")        # or an array and its rate; onsets.t, onsets.sigma
     samples = bl.restitution(onsets)      # samples.v, samples.eps, samples.sigma
     fit = bl.fit(samples)
@@ -18,8 +20,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from . import _core
-from ._functions import detect, fit, loop, restitution, roughness, simulate, synthesize, validate
-from .results import BouncelabWarning, Fit, Impacts, Loop, Onsets, Recording, Roughness, Samples, Validation
+from ._functions import analyze, compare, dem, detect, fit, loop, restitution, roughness, simulate, synthesize, validate
+from .results import (Analysis, BouncelabWarning, Comparison, Fit, Impacts, Loop, Onsets, Recording, Roughness, Samples,
+                      Validation)
 from .theory import eps_of_law, fluctuation_sides
 
 if TYPE_CHECKING:
@@ -27,9 +30,8 @@ if TYPE_CHECKING:
 
 __version__: str = _core.version()
 __all__ = [
-    "BouncelabWarning", "Fit", "Impacts", "Loop", "Onsets", "Recording", "Roughness", "Samples", "Validation",
-    "balls", "detect", "eps_of_law", "fit", "fluctuation_sides",
-    "loop", "plot", "restitution", "roughness", "simulate", "synthesize", "validate",
+    "Analysis", "BouncelabWarning", "Comparison", "Fit", "Impacts", "Loop", "Onsets", "Recording", "Roughness", "Samples",
+    "Validation", "analyze", "balls", "compare", "dem", "detect", "eps_of_law", "fit", "fluctuation_sides", "loop", "plot", "restitution", "roughness", "simulate", "synthesize", "validate",
 ]
 
 

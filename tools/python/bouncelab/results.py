@@ -513,7 +513,66 @@ class Roughness:
         return f"<Roughness: q = {self.q.value:.3g} ± {self.q.se:.2g}{'' if self.holds else ', does not hold'}>"
 
 
-class Loop:
+class _Folder:
+    """Files that a stage has written.
+
+    Attributes
+    ----------
+    folder : str
+        Where the files lie; a temporary folder goes with this object.
+    summary : dict
+        What the command prints with --json.
+    """
+
+    def __init__(self, folder: str, summary: dict, temporary: Any = None):
+        self.folder, self.summary, self._temporary = folder, summary, temporary
+
+    def path(self, name: str) -> str:
+        """Of a file in the folder."""
+        return os.path.join(self.folder, name)
+
+    @property
+    def report(self) -> str:
+        """Path of the report."""
+        return self.path("report.html")
+
+
+class Analysis(_Folder):
+    """Recordings, or times, heights or speeds, analyzed: files in a folder.
+
+    Attributes
+    ----------
+    folder : str
+        Where the files lie; a temporary folder goes with this object.
+    summary : dict
+        summary.json: impacts, drops, answer, notes.
+    """
+
+    @property
+    def onsets(self) -> Onsets:
+        """Times found in the sound, or given; none where speeds were given."""
+        return Onsets.from_csv(self.path("onsets.csv")) if os.path.exists(self.path("onsets.csv")) else Onsets()
+
+    @property
+    def samples(self) -> Samples:
+        """Coefficients of restitution from these times."""
+        return Samples.from_csv(self.path("samples.csv"))
+
+    @property
+    def fit(self) -> Fit:
+        """Fitted to them."""
+        fit = Fit.from_json(self.path("fit.json"))
+        fit.samples = self.samples
+        return fit
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__} in {self.folder}: {self.fit!r}>"
+
+    def _repr_html_(self) -> str:
+        return self.fit._repr_html_()
+
+
+class Loop(Analysis):
     """The closed loop: files of every stage in a folder.
 
     Attributes
@@ -523,13 +582,6 @@ class Loop:
     summary : dict
         summary.json: what went in and what came out.
     """
-
-    def __init__(self, folder: str, summary: dict, temporary: Any = None):
-        self.folder, self.summary, self._temporary = folder, summary, temporary
-
-    def path(self, name: str) -> str:
-        """Of a file in the folder."""
-        return os.path.join(self.folder, name)
 
     @property
     def impacts(self) -> Impacts:
@@ -541,29 +593,59 @@ class Loop:
         """True times in the recording."""
         return Onsets.from_csv(self.path("truth.csv"))
 
-    @property
-    def onsets(self) -> Onsets:
-        """Times found in the sound."""
-        return Onsets.from_csv(self.path("onsets.csv"))
-
-    @property
-    def samples(self) -> Samples:
-        """Coefficients of restitution from the times found."""
-        return Samples.from_csv(self.path("samples.csv"))
-
-    @property
-    def fit(self) -> Fit:
-        """Fitted to the times found."""
-        return Fit.from_json(self.path("fit.json"))
-
-    @property
-    def report(self) -> str:
-        """Path of the report."""
-        return self.path("report.html")
-
     def __repr__(self) -> str:
         score = self.summary["score"]
         return f"<Loop in {self.folder}: {score['n_found']} of {score['n_true']} impacts found>"
+
+
+class Comparison(_Folder):
+    """Recordings compared with each other: files in a folder.
+
+    Attributes
+    ----------
+    folder : str
+        Where the files lie; a temporary folder goes with this object.
+    results : dict
+        comparison.json (docs/formats.md).
+    """
+
+    @property
+    def results(self) -> dict:
+        """comparison.json (docs/formats.md)."""
+        return self.summary
+
+    @property
+    def answer(self) -> str:
+        """The result in a few sentences."""
+        return "\n".join(self.results["answer"])
+
+    @property
+    def differences(self) -> List[Dict[str, Any]]:
+        """Of plates, or of two to four recordings: by what each two differ, a dict for each pair."""
+        return (self.results["differences"] or {"rows": []})["rows"]
+
+    @property
+    def recordings(self) -> List[Dict[str, Any]]:
+        """comparison.csv, a dict for each recording; None where a cell is empty."""
+        import csv
+
+        texts = ("recording", "plate", "date", "message")
+        with open(self.path("comparison.csv"), encoding="utf-8", newline="") as file:
+            return [{name: cell if name in texts else json.loads(cell or "null") for name, cell in row.items()}
+                    for row in csv.DictReader(file)]
+
+    def to_dict(self) -> dict:
+        """comparison.json as a dict."""
+        return self.results
+
+    def to_pandas(self) -> pd.DataFrame:
+        """A row for each recording."""
+        import pandas as pd
+
+        return pd.DataFrame(self.recordings)
+
+    def __repr__(self) -> str:
+        return f"<Comparison of {len(self.recordings)} recordings: {self.results['answer'][0]}>"
 
 
 class Validation:

@@ -5,11 +5,15 @@ from __future__ import annotations
 import json
 import os
 import warnings
-from typing import Any, Dict, List
+from typing import Any, Dict, List, Set, Tuple
 
 from . import _core
 from .progress import shown
-from .results import BouncelabWarning, Fit, Impacts, Loop, Onsets, Recording, Roughness, Samples, Validation
+from .results import (Analysis, BouncelabWarning, Comparison, Fit, Impacts, Loop, Onsets, Recording, Roughness, Samples,
+                      Validation)
+
+
+_FILE_ERROR = 3  # exit code
 
 
 def _text(value: Any) -> str:
@@ -39,7 +43,7 @@ def each(values: Any) -> Any:
 def _arguments(keywords: Dict[str, Any]) -> List[str]:
     arguments = []
     for name, value in keywords.items():
-        option = "--" + name.replace("_", "-")
+        option = "--" + name.replace("taken_as", "as").replace("_", "-")
         if value is None or value is False:
             continue
         if value is True:
@@ -52,7 +56,7 @@ def _arguments(keywords: Dict[str, Any]) -> List[str]:
 
 
 def _warn(lines: List[str]) -> None:
-    for line in lines:
+    for line in filter(None, lines):
         warnings.warn(line, BouncelabWarning, stacklevel=4)
 
 
@@ -145,19 +149,71 @@ def roughness(samples: Any, keywords: Dict[str, Any], progress: Any) -> Roughnes
     return found
 
 
-def loop(out: Any, keywords: Dict[str, Any], progress: Any) -> Loop:
-    temporary = None
-    if out is None:
-        import tempfile
+def _folder(out: Any, name: str) -> Tuple[str, Any]:
+    """The folder of the results; where none is wanted one of this name in a temporary one, which comes with it."""
+    if out is not None:
+        return os.fspath(out), None
+    import tempfile
 
-        temporary = tempfile.TemporaryDirectory(prefix="bouncelab-")
-        out = os.path.join(temporary.name, "loop")
+    temporary = tempfile.TemporaryDirectory(prefix="bouncelab-")
+    return os.path.join(temporary.name, name), temporary
+
+
+def loop(out: Any, keywords: Dict[str, Any], progress: Any) -> Loop:
+    folder, temporary = _folder(out, "loop")
     with shown(progress) as callback:
-        found = _core.loop(_arguments(dict(keywords, out=os.fspath(out))), callback)
-    _warn(found["warnings"])
-    if found["error"]:
-        warnings.warn(found["error"], BouncelabWarning, stacklevel=3)
-    return Loop(os.fspath(out), json.loads(found["summary"]), temporary)
+        found = _core.loop(_arguments(dict(keywords, out=folder)), callback)
+    _warn(found["warnings"] + [found["error"]])
+    return Loop(folder, json.loads(found["summary"]), temporary)
+
+
+def _recordings(given: Any) -> List[str]:
+    files = list(given) if isinstance(given, (list, tuple)) else [given]
+    for file in files:
+        if not _is_name(file):
+            raise ValueError(f"analyze takes files, {type(file).__name__} is given; of sound and tables in memory: "
+                             "fit(restitution(detect(samples, rate)))")
+    return [os.fspath(file) for file in files]
+
+
+def analyze(recordings: Any, out: Any, keywords: Dict[str, Any], progress: Any) -> Analysis:
+    files = _recordings(recordings)
+    folder, temporary = _folder(out, "analysis")
+    with shown(progress) as callback:
+        found = _core.analyze(files, folder, _arguments(keywords), callback)
+    summary = json.loads(found["summary"])
+    if "answer" not in summary:
+        raise (OSError if found["exit_code"] == _FILE_ERROR else ValueError)(found["error"])
+    _warn([note["text"] for note in summary["notes"] if note["severity"] != "detail"] + [found["error"]])
+    return Analysis(folder, summary, temporary)
+
+
+def compare(samples: Any, out: Any, keywords: Dict[str, Any], progress: Any) -> Comparison:
+    import tempfile
+
+    seen: Set[str] = set()
+    given = list(samples) if isinstance(samples, (list, tuple)) else [samples]
+    folder, temporary = _folder(out, "comparison")
+    with tempfile.TemporaryDirectory(prefix="bouncelab-") as tables:
+        files = []
+        for k, table in enumerate(given, 1):
+            if _is_name(table):
+                files.append(os.fspath(table))
+                continue
+            table = Samples.of(table)
+            names = table.get("recording", [str(k)] * len(table))
+            names = [f"{name} ({k})" if name in seen else name for name in names]  # of an earlier table: another one
+            seen.update(names)
+            files.append(os.path.join(tables, f"{k}.csv"))
+            Samples({**table, "recording": names}).to_csv(files[-1])
+        with shown(progress) as callback:
+            found = _core.compare(files, folder, _arguments(keywords), callback)
+    _warn(found["warnings"] + [found["error"]])
+    return Comparison(folder, json.loads(found["summary"]), temporary)
+
+
+def dem(fit: Any, keywords: Dict[str, Any]) -> str:
+    return _core.dem((fit if isinstance(fit, Fit) else Fit.from_json(fit))._text, _arguments(keywords))
 
 
 def _settings(vary: Dict[str, Any]) -> List[Dict[str, Any]]:

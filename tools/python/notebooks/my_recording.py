@@ -7,7 +7,7 @@
 # ---
 # %% [markdown]
 # # My recording
-# From the sound of a bouncing ball to its coefficient of restitution ε(v): impacts, samples, law, picture, table, report.
+# From the sound of a bouncing ball to its coefficient of restitution ε(v): picture, tables, report.
 # As a script: `python my_recording.py drop.wav [FOLDER]`; without a recording it takes `samples/clean.flac`.
 
 # %%
@@ -24,30 +24,21 @@ recording = given[0] if given else os.path.join(os.path.dirname(os.path.abspath(
 folder = given[1] if len(given) > 1 else "."
 
 # %% [markdown]
-# ## Impacts
-# Nothing has to be set. `t` is in seconds from the first sample, `sigma` its standard error.
+# ## The answer
+# Nothing has to be set. Who knows the ball names it: `ball="table-tennis", plate="concrete"`; air drag and the time of
+# contact are then known beforehand, and the interval is narrower. The files of the command line are in the folder, among
+# them `report.html`, which needs no network.
 
 # %%
-onsets = bl.detect(recording)
-print(onsets.message)
-print(f"median standard error of a time: {sorted(onsets.sigma)[len(onsets) // 2] * 1e6:.2g} µs")
+analysis = bl.analyze(recording, out=os.path.join(folder, "analysis"), force=True)
+fit = analysis.fit
+print(fit.answer)
+print(analysis.report)
 
 # %% [markdown]
-# ## Coefficients of restitution
-# Ratios of neighbouring intervals. Who knows the ball names it: `ball="table-tennis", plate="concrete"`; then air drag
-# and the time of contact are then known beforehand, and its interval is narrower.
-
-# %%
-samples = bl.restitution(onsets)
-print(samples)
-
-# %% [markdown]
-# ## The law
 # `fit.eps(v)` gives values with 95 % intervals; they are NaN outside the speeds of the data.
 
 # %%
-fit = bl.fit(samples)
-print(fit.answer)
 for v, found in fit.nodes.items():
     print(f"ε({v:.3g} m/s) = {found.value:.4f}, 95 %: {found.lo95:.4f} to {found.hi95:.4f}")
 
@@ -58,9 +49,10 @@ figure.savefig(os.path.join(folder, "my_recording.png"), dpi=150)
 plt.show()
 
 # %% [markdown]
-# ## To take along
-# The tables are those of the command line; the report is one file that needs no network.
+# ## Impacts and coefficients of restitution
+# `t` is in seconds from the first sample, `sigma` its standard error. Samples are ratios of neighbouring intervals.
 
 # %%
-samples.to_csv(os.path.join(folder, "samples.csv"), force=True)
-fit.report(os.path.join(folder, "report.html"), force=True)
+onsets, samples = analysis.onsets, analysis.samples
+print(f"median standard error of a time: {sorted(onsets.sigma)[len(onsets) // 2] * 1e6:.2g} µs")
+print(samples)

@@ -4,8 +4,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
-
-#include "bouncelab/core/error.hpp"
+#include <utility>
 
 namespace bouncelab::python {
 namespace {
@@ -64,32 +63,41 @@ Json options_of() {
 }  // namespace
 
 template <class Options>
-Parsed<Options> parse(const Arguments& arguments) {
-  Parsed<Options> parsed;
+Parsed<Options> parse(const Arguments& arguments, Options files) {
+  Parsed<Options> parsed{std::move(files), {}};
   Sections sections = sections_of(parsed.options);
   sections.push_back(stages::common_section(parsed.run.common));
   parsed.run.given = set_options(sections, arguments);
   parsed.run.common.quiet = true;
   parsed.run.command_line = {"bouncelab (Python)"};
-  if constexpr (requires { stages::apply_preset(parsed.options, parsed.run.given); })
-    stages::apply_preset(parsed.options, parsed.run.given);
+  if constexpr (requires { stages::prepare(parsed.options, parsed.run.given); })
+    stages::prepare(parsed.options, parsed.run.given);
   parsed.run.parameters = stages::parameters_of(sections, parsed.run.given);
   return parsed;
 }
-template Parsed<stages::SimulateOptions> parse(const Arguments&);
-template Parsed<stages::SynthesizeOptions> parse(const Arguments&);
-template Parsed<stages::DetectOptions> parse(const Arguments&);
-template Parsed<stages::RestitutionOptions> parse(const Arguments&);
-template Parsed<stages::FitOptions> parse(const Arguments&);
-template Parsed<stages::RoughnessOptions> parse(const Arguments&);
-template Parsed<stages::LoopOptions> parse(const Arguments&);
+template Parsed<stages::AnalyzeOptions> parse(const Arguments&, stages::AnalyzeOptions);
+template Parsed<stages::CompareOptions> parse(const Arguments&, stages::CompareOptions);
+template Parsed<stages::DemOptions> parse(const Arguments&, stages::DemOptions);
+template Parsed<stages::SimulateOptions> parse(const Arguments&, stages::SimulateOptions);
+template Parsed<stages::SynthesizeOptions> parse(const Arguments&, stages::SynthesizeOptions);
+template Parsed<stages::DetectOptions> parse(const Arguments&, stages::DetectOptions);
+template Parsed<stages::RestitutionOptions> parse(const Arguments&, stages::RestitutionOptions);
+template Parsed<stages::FitOptions> parse(const Arguments&, stages::FitOptions);
+template Parsed<stages::RoughnessOptions> parse(const Arguments&, stages::RoughnessOptions);
+template Parsed<stages::LoopOptions> parse(const Arguments&, stages::LoopOptions);
 
 std::string options_json(const std::string& function) {
-  static const std::map<std::string, Json (*)()> functions{
-      {"simulate", options_of<stages::SimulateOptions>}, {"synthesize", options_of<stages::SynthesizeOptions>},
-      {"detect", options_of<stages::DetectOptions>},     {"restitution", options_of<stages::RestitutionOptions>},
-      {"fit", options_of<stages::FitOptions>},           {"roughness", options_of<stages::RoughnessOptions>},
-      {"loop", options_of<stages::LoopOptions>},         {"validate", options_of<stages::Scene>}};
+  static const std::map<std::string, Json (*)()> functions{{"simulate", options_of<stages::SimulateOptions>},
+                                                           {"synthesize", options_of<stages::SynthesizeOptions>},
+                                                           {"detect", options_of<stages::DetectOptions>},
+                                                           {"restitution", options_of<stages::RestitutionOptions>},
+                                                           {"fit", options_of<stages::FitOptions>},
+                                                           {"roughness", options_of<stages::RoughnessOptions>},
+                                                           {"analyze", options_of<stages::AnalyzeOptions>},
+                                                           {"compare", options_of<stages::CompareOptions>},
+                                                           {"dem", options_of<stages::DemOptions>},
+                                                           {"loop", options_of<stages::LoopOptions>},
+                                                           {"validate", options_of<stages::Scene>}};
   const auto found = functions.find(function);
   if (found == functions.end()) throw InvalidArgument("no function '" + function + "'");
   return found->second().dump();

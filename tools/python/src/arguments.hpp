@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "bouncelab/core/error.hpp"
+#include "bouncelab/core/foreign_table.hpp"
 #include "bouncelab/core/samples.hpp"
 #include "stages/stages.hpp"
 
@@ -24,9 +26,10 @@ struct Parsed {
   stages::Run run;
 };
 
-/// What a function takes. @throws InvalidArgument as the command line says it
+/// What a function takes. @param files  names those that the stage reads and writes
+/// @throws InvalidArgument as the command line says it
 template <class Options>
-Parsed<Options> parse(const Arguments& arguments);
+Parsed<Options> parse(const Arguments& arguments, Options files = {});
 
 /// The options of a function, in the order of --help: a JSON array of {name, help, type, default, flag, least and most
 /// number of values, choices}. @throws InvalidArgument where there is no such function
@@ -47,6 +50,19 @@ void run(stages::Run& call, const py::object& progress, const std::function<void
 void bind_stages(py::module_& m);
 /// Fits, scores, laws.
 void bind_fits(py::module_& m);
+
+/// The question, and each answer as the call that reads the table so. @param call  its beginning: "analyze(path"
+std::string with_keywords(const AmbiguousTable& table, const std::string& call);
+
+/// Tables in memory are no files: what is wrong with them is an argument's fault.
+template <class Read>
+auto read_in_memory(const Read& read) {
+  try {
+    return read();
+  } catch (const FileError& error) {
+    throw InvalidArgument(error.what());
+  }
+}
 
 /// @throws InvalidArgument naming the row that no sample can be
 RestitutionSamples samples_of(const py::dict& columns);

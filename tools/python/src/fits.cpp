@@ -69,16 +69,52 @@ std::string score_detector(const std::vector<std::tuple<py::dict, py::dict, doub
   return json_text(Object{{"all", value_of(loop::pooled(scores))}, {"recordings", value_of(scores)}}, 2);
 }
 
-/// Into the folder that the arguments name. @return {summary, warnings, error}
-py::dict loop(const Arguments& arguments, const py::object& progress) {
-  auto [options, run] = parse<stages::LoopOptions>(arguments);
+/// Runs a stage on files. @return {summary, warnings, error, exit_code}
+template <class Options>
+py::dict outcome_of(Parsed<Options> call, stages::Outcome (*stage)(const Options&, const stages::Run&),
+                    const py::object& progress) {
   stages::Outcome outcome;
-  python::run(run, progress, [&, &options = options, &run = run] { outcome = stages::run_loop(options, run); });
+  python::run(call.run, progress, [&] { outcome = stage(call.options, call.run); });
   py::dict result;
   result["summary"] = json_text(outcome.result, 2);
   result["warnings"] = report::texts_of(outcome.notes, Severity::warning);
   result["error"] = outcome.error;
+  result["exit_code"] = outcome.exit_code;
   return result;
+}
+
+/// Into the folder that the arguments name.
+py::dict loop(const Arguments& arguments, const py::object& progress) {
+  return outcome_of(parse<stages::LoopOptions>(arguments), stages::run_loop, progress);
+}
+
+py::dict analyze(const std::vector<std::string>& recordings, const std::string& folder, const Arguments& arguments,
+                 const py::object& progress) {
+  stages::AnalyzeOptions files;
+  files.detect.recordings = recordings;
+  files.out = folder;
+  try {
+    return outcome_of(parse(arguments, files), stages::run_analyze, progress);
+  } catch (const AmbiguousTable& table) {
+    throw InvalidArgument(with_keywords(table, "analyze(path"));
+  }
+}
+
+py::dict compare(const std::vector<std::string>& samples, const std::string& folder, const Arguments& arguments,
+                 const py::object& progress) {
+  stages::CompareOptions files;
+  files.samples = samples;
+  files.out = folder;
+  return outcome_of(parse(arguments, files), stages::run_compare, progress);
+}
+
+/// @return what `bouncelab dem` prints
+std::string dem(const std::string& fit_json, const Arguments& arguments) {
+  stages::DemOptions options = parse<stages::DemOptions>(arguments).options;
+  options.fit = "fit";  // in messages
+  const stages::Outcome outcome = read_in_memory([&] { return stages::dem_of(fit_json, options); });
+  if (!outcome.error.empty()) throw InvalidArgument(outcome.error);
+  return outcome.text;
 }
 
 /// f of each number, in an array of the same shape.
@@ -146,6 +182,9 @@ void bind_fits(py::module_& m) {
   m.def("fit", &fit);
   m.def("roughness", &roughness);
   m.def("loop", &loop);
+  m.def("analyze", &analyze);
+  m.def("compare", &compare);
+  m.def("dem", &dem);
   m.def("score_detector", &score_detector);
   m.def("restitution_of_law", &restitution_of_law);
   m.def("scatter", &scatter);

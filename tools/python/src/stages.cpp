@@ -25,16 +25,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Tables in memory are no files: what is wrong with them is an argument's fault.
-template <class Read>
-auto read_in_memory(const Read& read) {
-  try {
-    return read();
-  } catch (const FileError& error) {
-    throw InvalidArgument(error.what());
-  }
-}
-
 Impacts impacts_of(const py::dict& columns) {
   const Table table = table_of(columns, impact_columns(), "impacts");
   return read_in_memory([&] { return impacts_from_table(table, "impacts"); });
@@ -210,19 +200,6 @@ void write_columns(const std::string& path, const py::dict& columns, const std::
   stages::write_table(writing(force), path, table);
 }
 
-/// The question, and each answer as the call that reads the table so.
-std::string with_keywords(const AmbiguousTable& table, const std::string& type) {
-  std::string text = table.question(), before = "; say ";
-  for (const auto& [meaning, told] : table.readings()) {
-    text += std::exchange(before, " or ") + type + ".from_csv(path";
-    for (const auto& [name, value] : {std::pair{"taken_as", told.as}, {"unit", told.unit}, {"columns", told.columns}})
-      if (value != "auto" && !value.empty())
-        text += std::string(", ") + name + "=" + std::string(py::repr(py::str(value)));
-    text += ") (" + meaning + ")";
-  }
-  return text;
-}
-
 /// Reads one.
 py::tuple read_columns(const std::string& path, const std::string& kind, const std::string& as, const std::string& unit,
                        const std::string& columns, const std::string& tier) {
@@ -243,7 +220,7 @@ py::tuple read_columns(const std::string& path, const std::string& kind, const s
                   path));
     return py::make_tuple(columns_of(std::move(table)), taken_for);
   } catch (const AmbiguousTable& table) {
-    throw InvalidArgument(with_keywords(table, kind == "onsets" ? "Onsets" : "Samples"));
+    throw InvalidArgument(with_keywords(table, kind == "onsets" ? "Onsets.from_csv(path" : "Samples.from_csv(path"));
   }
 }
 
@@ -255,6 +232,18 @@ stages::Run writing(bool force) {
   run.common.quiet = true;
   run.command_line = {"bouncelab (Python)"};
   return run;
+}
+
+std::string with_keywords(const AmbiguousTable& table, const std::string& call) {
+  std::string text = table.question(), before = "; say ";
+  for (const auto& [meaning, told] : table.readings()) {
+    text += std::exchange(before, " or ") + call;
+    for (const auto& [name, value] : {std::pair{"taken_as", told.as}, {"unit", told.unit}, {"columns", told.columns}})
+      if (value != "auto" && !value.empty())
+        text += std::string(", ") + name + "=" + std::string(py::repr(py::str(value)));
+    text += ") (" + meaning + ")";
+  }
+  return text;
 }
 
 RestitutionSamples samples_of(const py::dict& columns) {

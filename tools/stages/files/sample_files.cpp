@@ -111,8 +111,8 @@ RestitutionSamples read_one(const fs::path& path, const std::string& columns, st
 using TakeRecording = std::function<void(RestitutionSamples&&)>;
 
 /// Cuts the rows of a file, which come in pieces, into recordings.
-void cut_file(const fs::path& path, RecordingNames& names, std::vector<std::string>& taken_for,
-              const TakeRecording& take) {
+void cut_file(const fs::path& path, const std::string& columns, RecordingNames& names,
+              std::vector<std::string>& taken_for, const TakeRecording& take) {
   const std::string name = input_name(path);
   std::set<std::string> finished;
   RestitutionSamples recording;
@@ -124,7 +124,9 @@ void cut_file(const fs::path& path, RecordingNames& names, std::vector<std::stri
           name, "the samples of recording '" + printable(called) + "' are not together; sort the table by recording");
     take(std::exchange(recording, {}));
   };
-  TableReader reader = open_samples(path, {}, taken_for);
+  ForeignOptions options;
+  options.columns = columns;
+  TableReader reader = open_samples(path, options, taken_for);
   DropsInTurn drops;
   for (bool at_end = false; !at_end;) {
     const Table piece = reader.next(kPiece_rows);
@@ -157,13 +159,13 @@ RestitutionSamples read_sample_files(const std::vector<fs::path>& paths, int n_t
   return all;
 }
 
-void for_each_recording(const std::vector<fs::path>& files, int n_threads, std::vector<Note>& notes,
-                        const TakeRecording& take) {
+void for_each_recording(const std::vector<fs::path>& files, int n_threads, const std::string& columns,
+                        std::vector<Note>& notes, const TakeRecording& take) {
   RecordingNames names;
   for (const fs::path& file : each_once(files, n_threads, "samples", notes)) {
     names.begin(file);
     std::vector<std::string> taken_for;
-    cut_file(file, names, taken_for, take);
+    cut_file(file, columns, names, taken_for, take);
     for (std::string& what : taken_for) notes.push_back({NoteKind::of_file, {}, std::move(what)});
     names.end(notes);
   }

@@ -53,9 +53,11 @@ RestitutionSamples read_sample_files(const std::vector<std::filesystem::path>& f
 /// and a piece of the file at a time. Samples without a recording get the file's name.
 /// A recording of the same name in a later file is one of its own: `RECORDING (FILE)`. Files of the same content count
 /// once.
+/// @param columns  of tables that are not ours: ForeignOptions::columns
 /// @param notes  one line for each file that is left out, and for each file whose recordings were renamed
 /// @throws FileError; naming the recording whose rows are not together
-void for_each_recording(const std::vector<std::filesystem::path>& files, int n_threads, std::vector<Note>& notes,
+void for_each_recording(const std::vector<std::filesystem::path>& files, int n_threads, const std::string& columns,
+                        std::vector<Note>& notes,
                         const std::function<void(RestitutionSamples&&)>& take);
 
 /// A table of columns recording and plate or date. @throws FileError

@@ -24,7 +24,7 @@ describe('the page', {skip: missing ?? false}, () => {
 
   test('a FLAC file gives the answer, and the marks are the impacts that were simulated', async () => {
     const says = await choose(page, clean);
-    assert.match(says, /12\.2 s of sound at 48\s000 Hz/);
+    assert.match(says, /\d+\.\d s of sound at 48\s000 Hz/);
     assert.equal(await countOf(page), truth.length);
     assert.match(await page.$eval('#answer .lead', node => node.textContent), /^ε = 0\.9\d+ ± [\d.]+ \(95 %: /);
     assert.equal(await page.$$eval('#law-plot .curve, #law-plot .band', list => list.length), 2);
@@ -277,7 +277,7 @@ describe('the page', {skip: missing ?? false}, () => {
       for (const name of ['one.flac', 'two.flac']) transfer.items.add(new File([bytes], name));
       for (const type of ['dragenter', 'dragover', 'drop']) document.body.dispatchEvent(new DragEvent(type, {dataTransfer: transfer, bubbles: true, cancelable: true}));
     }, base64));
-    assert.match(says, /12\.2 s/);
+    assert.match(says, /\d+\.\d s of sound/);
     assert.deepEqual(await page.$$eval('#recordings button', list => list.map(b => b.textContent)), ['one.flac', 'two.flac']);
     await answered(page, () => page.click('#recordings button:nth-child(2)'));
     assert.equal(await countOf(page), truth.length);

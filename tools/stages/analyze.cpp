@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "commands/commands.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -18,7 +16,7 @@
 #include "stages/files/table_file.hpp"
 #include "stages/stages.hpp"
 
-namespace bouncelab::cli {
+namespace bouncelab::stages {
 namespace {
 
 namespace fs = std::filesystem;
@@ -153,7 +151,29 @@ bool is_own_report(const std::vector<fs::path>& outputs, const std::vector<fs::p
          are_unchanged_and_of(outputs, with_onsets_beside(recordings));
 }
 
+Section in_full_help(Section section) {
+  section.only_in_full_help = true;
+  return section;
+}
+
 }  // namespace
+
+std::vector<Section> sections_of(AnalyzeOptions& options) {
+  static constexpr Member own[]{member<&AnalyzeOptions::diagnostics>(
+      "diagnostics", "Details of each drop in the report: sound and marks, intervals, learned waveform, noise")};
+  return {
+      {"", own, &options},
+      ball_section(options.restitution.world, "not known, so that drag and contact time stay open",
+                   {"restitution", "fit"}),
+      in_full_help(section_of(options.restitution.foreign, "Marks and tables of other programs, in place of sound")),
+      in_full_help(section_of(options.detect.config, "Detection", {"detect"})),
+      in_full_help(section_of(options.restitution.config, "Coefficients of restitution", {"restitution"})),
+      in_full_help(section_of(options.fit.config, "Fit", {"fit"}))};
+}
+
+void prepare(AnalyzeOptions& options, const Given& given) {
+  options.restitution = with_conditions_of(recordings_of(options.detect), options.restitution, given);
+}
 
 Outcome run_analyze(const AnalyzeOptions& options, const Run& asked) {
   const fs::path folder = options.out;
@@ -181,4 +201,4 @@ Outcome run_analyze(const AnalyzeOptions& options, const Run& asked) {
   return read.is_answered ? write_analysis(read, config, files, folder, run) : read.outcome;
 }
 
-}  // namespace bouncelab::cli
+}  // namespace bouncelab::stages

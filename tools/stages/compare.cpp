@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "commands/commands.hpp"
-
 #include <algorithm>
 #include <filesystem>
 #include <functional>
@@ -23,7 +21,7 @@
 #include "stages/files/table_file.hpp"
 #include "stages/stages.hpp"
 
-namespace bouncelab::cli {
+namespace bouncelab::stages {
 namespace {
 
 namespace fs = std::filesystem;
@@ -48,6 +46,18 @@ Outcome read_sounds(const std::vector<fs::path>& files, const CompareOptions& op
 
 }  // namespace
 
+std::vector<Section> sections_of(CompareOptions& options) {
+  using O = CompareOptions;
+  static constexpr Member own[]{
+      member<&O::groups>("groups",
+                         "Table of columns recording, plate, date; without it dates in the recordings' names are taken")
+          .looks_like("FILE"),
+      member<&O::columns>("columns",
+                          "Which columns of a table of samples from elsewhere are what: v=COLUMN,eps=COLUMN"),
+      member<&O::title>("title", "Title of the page")};
+  return {{"", own, &options}, ball_section(options.restitution.world, "not known", {"restitution"})};
+}
+
 Outcome run_compare(const CompareOptions& options, const Run& run) {
   const fs::path folder = options.out;
   const OutputFolder output_folder(folder);
@@ -69,7 +79,7 @@ Outcome run_compare(const CompareOptions& options, const Run& run) {
   const Outcome heard = read_sounds(sounds, options, run, take);
   Outcome outcome;
   outcome.notes = heard.notes;
-  for_each_recording(tables, run.common.n_threads, outcome.notes, take);
+  for_each_recording(tables, run.common.n_threads, options.columns, outcome.notes, take);
   loop::ComparedRecordings found = comparison.finish(origins);
   fit::BetweenRecordings& between = found.between;
   if (auto twice = report::note_of_repeated_drops(found.kept)) outcome.notes.push_back(*std::move(twice));
@@ -101,4 +111,4 @@ Outcome run_compare(const CompareOptions& options, const Run& run) {
   return outcome;
 }
 
-}  // namespace bouncelab::cli
+}  // namespace bouncelab::stages
