@@ -200,6 +200,9 @@ TEST_F(ForeignFiles, AreTakenAsTheUserSays) {
                                HasSubstr("  y  1.2  1.0  0.8 ...")));
   // of one digit each value is off by up to .05: .029 by the root of four
   EXPECT_THAT(run("fit letters.csv --columns v=y,eps=x --out f.json").out, HasSubstr(" ± 0.015 (95 %: 0.8"));
+  for (const std::string command : {"fit", "compare", "roughness"})  // what the question says can be typed
+    EXPECT_THAT(run(command + " --help-all").out, HasSubstr("--columns ")) << command;
+  EXPECT_THAT(run("roughness letters.csv --columns v=y,eps=x").err, HasSubstr("60"));
   const auto tier = [](const std::string& name, const std::string& lines) {
     return "\"TextTier\" \"" + name + "\" 0 9 " + std::to_string(std::count(lines.begin(), lines.end(), '\n')) + "\n" +
            std::regex_replace(lines, std::regex("\n"), " \"x\"\n");

@@ -270,7 +270,8 @@ Outcome run_roughness(const RoughnessOptions& options, const Run& run) {
   check_files(run, files, {options.out});
   Outcome outcome;
   std::vector<std::string> taken_for;
-  RestitutionSamples samples = read_sample_files(files, run.common.n_threads, {}, taken_for, outcome.notes);
+  RestitutionSamples samples =
+      read_sample_files(files, run.common.n_threads, options.columns, taken_for, outcome.notes);
   name_ball(samples, ball_of(options.world), plate_of(options.world));
   fit::RoughnessConfig config = options.config;
   config.seed = run.common.seed;

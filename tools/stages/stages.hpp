@@ -148,6 +148,7 @@ Outcome run_fit(const FitOptions& options, const Run& run);
 struct RoughnessOptions {
   std::vector<std::string> samples;  ///< files
   std::string out;                   ///< empty: none
+  std::string columns;               ///< of a table that this program did not write: "v=speed,eps=e"
   fit::RoughnessConfig config;
   BallChoice world;  ///< in place of what the samples say
 };

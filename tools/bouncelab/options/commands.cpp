@@ -215,7 +215,9 @@ Command roughness_command() {
           "samples", "Samples of one ball, as restitution writes them: 60 impacts or more, drops of 10 successive ones")
           .required()
           .positional(),
-      member<&O::out>("out", "Also the results, .json").writes("FILE")};
+      member<&O::out>("out", "Also the results, .json").writes("FILE"),
+      member<&O::columns>("columns", "Which columns of a table from elsewhere are what (default: by their titles)")
+          .looks_like("v=COLUMN,eps=COLUMN")};
   return command_of<O>(
       {"roughness", kStages,
        "The roughness of a ball from the scatter of its coefficients of restitution: q, and surfaces that scatter so",
