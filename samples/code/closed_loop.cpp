@@ -34,15 +34,17 @@ int main() {
   // columns
   const RestitutionSamples eps = fit::restitution_samples(onsets, {}).samples;
   for (std::size_t k = 0; k < 3; ++k)
-    std::printf("impact %lld: simulated %.6f s after the release, found at %.6f +- %.6f s, eps(%.3f m/s) = %.4f\n",
-                static_cast<long long>(impacts.rows[k].impact), impacts.rows[k].t_s, onsets[k].t_s,
-                onsets[k].sigma_t_s.value_or(0.0), eps[k].v_mps, eps[k].eps);
+    std::printf(
+        "impact %lld: simulated %.6f s after the release, found at %.6f s (standard error %.2g us), "
+        "eps(%.3f m/s) = %.4f\n",
+        static_cast<long long>(impacts.rows[k].impact), impacts.rows[k].t_s, onsets[k].t_s,
+        1e6 * onsets[k].sigma_t_s.value_or(0.0), eps[k].v_mps, eps[k].eps);
 
   // the peak of p(eps) follows the law that was simulated; the mean of a rough ball lies beside it
   const fit::FitResult fit = fit::fit_all(eps, {});
   for (const fit::CurveNode& node : fit.curve->nodes)
-    std::printf("at %.2f m/s: mean eps %s, peak %s, law %.6f\n", node.v_mps,
+    std::printf("at %.2f m/s: mean eps %s, peak %s, law %.6f, pull %.2f\n", node.v_mps,
                 fit::in_words(node.eps.value, node.eps.se).c_str(),
-                node.peak ? fit::in_words(node.peak->value, node.peak->se).c_str() : "not known",
-                restitution(experiment.law, node.v_mps));
+                fit::in_words(node.peak->value, node.peak->se).c_str(), restitution(experiment.law, node.v_mps),
+                (node.peak->value - restitution(experiment.law, node.v_mps)) / node.peak->se.value_or(1.0));
 }
