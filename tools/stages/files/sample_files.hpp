@@ -57,8 +57,7 @@ RestitutionSamples read_sample_files(const std::vector<std::filesystem::path>& f
 /// @param notes  one line for each file that is left out, and for each file whose recordings were renamed
 /// @throws FileError; naming the recording whose rows are not together
 void for_each_recording(const std::vector<std::filesystem::path>& files, int n_threads, const std::string& columns,
-                        std::vector<Note>& notes,
-                        const std::function<void(RestitutionSamples&&)>& take);
+                        std::vector<Note>& notes, const std::function<void(RestitutionSamples&&)>& take);
 
 /// A table of columns recording and plate or date. @throws FileError
 loop::Origins read_groups(const std::filesystem::path& path);
