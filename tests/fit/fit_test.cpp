@@ -72,9 +72,13 @@ TEST(FitAll, LeavesOutAndCountsWhatIsFlaggedOrNotANumber) {
   samples[5].flags = {Flag::missing_impact};
   samples[6].flags = Flags::from_text("missing_impact|other");
   samples[7].flags = Flags::from_text("a_word_of_somebody_else");
+  samples[8].sigma_eps = std::numeric_limits<double>::infinity();
+  samples[9].sigma_v_mps = -1.0;
+  samples[10].v_mps = 1e300;
+  samples[11].eps = 1e6;
   const auto result = fit_all(samples, {});
-  EXPECT_EQ(result.n_used, 495u);
-  EXPECT_EQ(result.n_left_out.at("not_finite"), 1u);
+  EXPECT_EQ(result.n_used, 491u);
+  EXPECT_EQ(result.n_left_out.at("not_finite"), 5u);
   EXPECT_EQ(result.n_left_out.at("speed_not_positive"), 1u);
   EXPECT_EQ(result.n_left_out.at("missing_impact"), 2u);
   EXPECT_EQ(result.n_left_out.at("a_word_of_somebody_else"), 1u);

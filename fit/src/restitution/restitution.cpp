@@ -333,7 +333,12 @@ class ContactMostOfBounce {
 
 /// Why a sample cannot be used; empty: it can. The first flag names the reason.
 std::string_view reason_to_leave_out(const RestitutionSample& s, ContactMostOfBounce& is_mostly_contact) {
-  if (!std::isfinite(s.v_mps) || !std::isfinite(s.eps)) return "not_finite";
+  constexpr double kMost_mps = 1e4, kMost = 1e3;  // as tables have them; beyond, squares overflow
+  const auto is_error = [](const std::optional<double>& sigma) {
+    return !sigma || (*sigma >= 0.0 && *sigma < kMost_mps);
+  };
+  if (!(std::abs(s.v_mps) <= kMost_mps && std::abs(s.eps) <= kMost)) return "not_finite";
+  if (!is_error(s.sigma_v_mps) || !is_error(s.sigma_eps)) return "not_finite";
   constexpr double kLeast_mps = 1e-6;  // so thrown up a ball rises by less than an atom
   if (!(s.v_mps > kLeast_mps)) return "speed_not_positive";
   if (s.flags.empty() && is_mostly_contact(s)) return "contact_most_of_bounce";

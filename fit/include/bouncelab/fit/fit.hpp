@@ -82,7 +82,8 @@ Description members_of(const FitResult*);
 
 /// Fits everything. Where drag and contact time are in the intervals, all fits are of the samples at the plate with the
 /// values that samples and priors together make most likely, and the errors of the law include what they leave open.
-/// Left out and counted: samples with a flag, not finite, with v <= 0.
+/// Left out and counted: samples with a flag; with a number that is not finite or beyond those of tables (v of 1e4 m/s,
+/// eps of 1e3, a negative standard error); with v of 1e-6 m/s or less.
 /// @param progress  called between the fits, in steps of one
 /// @throws InvalidArgument where the orders of the series are not valid, or more than fit_memory takes
 FitResult fit_all(const RestitutionSamples& samples, const FitConfig& config, const ProgressCallback& progress = {});
