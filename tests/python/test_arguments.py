@@ -14,7 +14,7 @@ from support import Case, program, small_impacts, small_sound
 # the results, a file of options is a dict, several samples are one table, parts of a run are processes of the program
 NOT_IN_PYTHON = {"help", "json", "quiet", "config", "out", "labels", "force", "list"}
 NOT_IN = {"simulate": {"write_surface"}, "synthesize": {"truth", "each_drop", "codec"},
-          "fit": {"table", "histograms", "slopes", "columns"},
+          "fit": {"table", "histograms", "slopes", "columns"}, "roughness": {"columns"},
           # that draws no random numbers; from_csv takes what files are
           "restitution": {"seed", "threads", "as", "columns", "tier"}, "dem": {"seed", "threads"}}
 IN_PYTHON = {"progress", "name"}

@@ -204,5 +204,42 @@ class ArraysOut(Case):
         self.assertLess(memory() - before, 200 * sound.samples.nbytes / 4)
 
 
+class Pandas(Case):
+    def test_series_and_empty_cells(self):
+        try:
+            import pandas as pd
+        except ImportError:
+            self.skipTest("pandas is not installed")
+        times, heights = [0.0, 1.0, 1.9, 2.71], [1.0, 0.81, 0.66]
+        series = pd.Series(times, index=[7, 3, 5, 1])
+        np.testing.assert_array_equal(bl.restitution(series).eps, bl.restitution(times).eps)
+        np.testing.assert_array_equal(bl.restitution(heights=pd.Series(heights, index=[2, 9, 4])).eps,
+                                      bl.restitution(heights=heights).eps)
+        samples = bl.restitution(times).to_pandas()
+        samples["flags"] = samples["corrected"] = np.nan  # as read_csv has empty cells
+        np.testing.assert_array_equal(bl.Samples.of(samples).eps, bl.restitution(times).eps)
+        self.assertEqual(bl.fit(samples, goodness_replicates=0).results["n_used"], 2)
+
+    def test_what_is_no_time(self):
+        with self.assertRaisesRegex(ValueError, "numbers of seconds"):
+            bl.restitution(np.array(["2026-11-30T10:00", "2026-11-30T10:01"], "datetime64[s]"))
+        with self.assertRaisesRegex(ValueError, "times are in seconds"):
+            bl.restitution([0.0, 1.0, 1.9], unit="ms")
+        with self.assertRaisesRegex(TypeError, r"restitution\(onsets\)"):
+            bl.fit(bl.Onsets(t=np.array([0.0, 1.0, 1.9])))
+        with self.assertRaisesRegex(TypeError, "groups is the name of a table"):
+            bl.fit(bl.Samples(v=np.ones(9), eps=np.full(9, 0.9)), groups={"recording": ["a"]})
+
+
+class Air(Case):
+    def test_that_was_not_simulated_is_not_corrected(self):
+        for drag in (False, True):
+            sound = small_sound(bl, small_impacts(bl, drops=1, drag=drag))
+            for onsets in (bl.detect(sound), sound.truth):
+                found = bl.restitution(onsets, ball="steel:6mm", plate="glass")
+                expected = bl.restitution(onsets, ball="steel:6mm", plate="glass", air=None if drag else 0)
+                np.testing.assert_array_equal(found.to_dict()["air_kgpm3"], expected.to_dict()["air_kgpm3"])
+                self.assertEqual(bool(np.nan_to_num(found.to_dict()["air_kgpm3"]).any()), drag)
+
 if __name__ == "__main__":
     unittest.main()

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What results can do: intervals, draws, tables, reports, pictures."""
+import copy
 import json
 import os
 import unittest
@@ -186,7 +187,6 @@ class Tables(Case):
         np.testing.assert_array_equal(again.eps, self.samples.eps)
 
     def test_pickles_and_copies(self):
-        import copy
         import pickle
 
         for table in (self.onsets, self.samples, small_impacts(bl, drops=1)):
@@ -263,6 +263,8 @@ class Tables(Case):
         self.assertIn(analysis.fit.answer.splitlines()[0], repr(analysis))
         self.assertIsNotNone(analysis.fit.shown_samples())
         self.assertTrue(os.path.exists(analysis.report))
+        with self.assertRaisesRegex(TypeError, "name a folder"):
+            copy.deepcopy(analysis)
         del analysis
         self.assertFalse(os.path.exists(folder))
 

@@ -115,6 +115,8 @@ def sound(samples: Any, rate: float, onsets: Optional[Any] = None, ax: Optional[
     ax = _axes(ax)
     samples = np.asarray(samples)
     samples = samples[:, 0] if samples.ndim == 2 else samples
+    if samples.dtype.kind == "i":
+        samples = samples / -float(np.iinfo(samples.dtype).min)
     starts = np.linspace(0, len(samples), min(2000, len(samples)), endpoint=False).astype(int)
     ax.fill_between(starts / rate, np.minimum.reduceat(samples, starts), np.maximum.reduceat(samples, starts),
                     color="C0", lw=0.5, step="post")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import warnings
 from typing import TYPE_CHECKING, Any, Dict, Iterator, List, Mapping, NamedTuple, Optional, Union
 
 from . import _core
@@ -79,6 +80,8 @@ class Table(Mapping[str, Any]):
             return cls.from_csv(values)
         if hasattr(values, "columns") and hasattr(values, "to_numpy"):  # pandas
             return cls({name: values[name].to_numpy() for name in values.columns})
+        if cls is Samples and isinstance(values, Onsets):
+            raise TypeError("Onsets given; Samples are needed: restitution(onsets)")
         if isinstance(values, Mapping):
             return cls(values)
         raise TypeError(f"{type(values).__name__} given; {cls.__name__}, columns by name or the name of a file are needed")
@@ -168,10 +171,12 @@ class Impacts(Table):
               "eps": "eps_macro", "v_contact": "v_contact_mps", "eps_contact": "eps_contact", "asperity": "asperity"}
 
     def __init__(self, columns: Optional[Mapping[str, Any]] = None, *, summary: Optional[dict] = None,
-                 world: Optional[Dict[str, str]] = None, **arrays: Any):
+                 world: Optional[Dict[str, str]] = None, in_air: Optional[bool] = None, **arrays: Any):
         super().__init__(columns, summary=summary, **arrays)
         #: Ball and plate as they were named.
         self.world: Dict[str, str] = world or {}
+        #: Whether they were simulated with the air's drag; None: not known.
+        self.in_air: Optional[bool] = in_air
 
 
 class Onsets(Table):
@@ -198,7 +203,7 @@ class Onsets(Table):
         if first is None or len(self) == 0:
             return ""
         name, channel = first["recording"], first.get("channel", 0)
-        if self._source:
+        if "samples" in self._source:
             return _core.wave_of_samples(self._source["samples"], self._source["rate"], name, channel, self._columns)
         return _core.wave_of_file(name, channel, self._columns, 0.0, first.get("track", 0)) if os.path.exists(name) else ""
 
@@ -365,6 +370,9 @@ class Fit:
         """
         import numpy as np
 
+        if not self.results.get("is_one_ball", True):
+            warnings.warn("recordings, plates or drops differ: this is the curve of all together; each has its own eps in "
+                          "results['recordings']", BouncelabWarning, stacklevel=2)
         speeds = _speeds(v)
         x, points = self._points()
         near = _ROUNDING if len(x) > 1 else _ONE_SPEED
@@ -526,6 +534,12 @@ class _Folder:
 
     def __init__(self, folder: str, summary: dict, temporary: Any = None):
         self.folder, self.summary, self._temporary = folder, summary, temporary
+
+    def __getstate__(self) -> dict:
+        if self._temporary is not None:
+            raise TypeError(f"a {type(self).__name__} in a temporary folder cannot be copied or pickled: name a folder "
+                            "(out=...), or take its fit, samples, onsets")
+        return self.__dict__
 
     def path(self, name: str) -> str:
         """Of a file in the folder."""

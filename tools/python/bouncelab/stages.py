@@ -65,7 +65,7 @@ def simulate(keywords: Dict[str, Any], progress: Any) -> Impacts:
         found = _core.simulate(_arguments(keywords), callback)
     _warn(found["warnings"])
     world = {name: keywords[name] for name in ("ball", "plate") if keywords.get(name) is not None}
-    return Impacts(found["columns"], summary=json.loads(found["summary"]), world=world)
+    return Impacts(found["columns"], summary=json.loads(found["summary"]), world=world, in_air=bool(keywords.get("drag")))
 
 
 def synthesize(impacts: Any, name: str, keywords: Dict[str, Any], progress: Any) -> Recording:
@@ -73,7 +73,8 @@ def synthesize(impacts: Any, name: str, keywords: Dict[str, Any], progress: Any)
     given = dict(impacts.world, **{k: v for k, v in keywords.items() if v is not None})
     with shown(progress) as callback:
         found = _core.synthesize(impacts.to_dict(), name, _arguments(given), callback)
-    return Recording(found["samples"], found["rate"], name=name, truth=Onsets(found["truth"]), others=found["others"],
+    truth = Onsets(found["truth"], source={"in_air": impacts.in_air})
+    return Recording(found["samples"], found["rate"], name=name, truth=truth, others=found["others"],
                      bits=given.get("bits", "24"))
 
 
@@ -91,29 +92,41 @@ def detect(recording: Any, rate: Any, name: str, keywords: Dict[str, Any], progr
             found = _core.detect_files(files, _arguments(keywords), callback)
         else:
             if isinstance(recording, Recording):
+                source["in_air"] = recording.truth._source["in_air"]
                 rate = recording.rate if rate is None else rate
                 name = recording.name
                 recording = recording.samples
+            if recording is None or isinstance(recording, (int, float, bytes)) or hasattr(recording, "read"):
+                raise TypeError(f"{type(recording).__name__} given; the name of a file, several, or samples and their "
+                                "rate are needed")
             if rate is None:
                 raise ValueError("rate is missing: samples need their sampling rate [Hz]")
             import numpy as np
 
-            source = {"samples": np.asarray(recording), "rate": float(rate)}
+            source.update(samples=np.asarray(recording), rate=float(rate))
             found = _core.detect_samples(source["samples"], source["rate"], name, _arguments(keywords), callback)
     _warn(found["warnings"])
     return Onsets(found["columns"], summary=json.loads(found["summary"]), source=source)
 
 
+def _is_series(given: Any) -> bool:
+    return hasattr(given, "to_numpy") and not hasattr(given, "columns")  # of pandas
+
+
 def _drops(numbers: Any) -> Any:
     """A list of drops, each a list of numbers; of one drop it may be left out."""
+    numbers = numbers.to_numpy() if _is_series(numbers) else numbers
     return numbers if len(numbers) > 0 and hasattr(numbers[0], "__len__") else [numbers]
 
 
 def _onsets(given: Any) -> Onsets:
-    if isinstance(given, (list, tuple)) or type(given).__name__ == "ndarray":
+    if isinstance(given, (list, tuple)) or type(given).__name__ == "ndarray" or _is_series(given):
         import numpy as np
 
-        drops = [np.asarray(t_s, float) for t_s in _drops(given)]
+        drops = [np.asarray(times) for times in _drops(given)]
+        if any(times.dtype.kind in "mM" for times in drops):
+            raise ValueError("times are numbers of seconds: (t - t[0]) / numpy.timedelta64(1, 's')")
+        drops = [times.astype(float) for times in drops]
         return Onsets(t=np.concatenate(drops), drop=np.repeat(np.arange(len(drops)), [len(t_s) for t_s in drops]),
                       impact=np.concatenate([np.arange(len(t_s)) for t_s in drops]))
     return Onsets.of(given)
@@ -128,14 +141,24 @@ def _onsets_of_heights(heights: Any, unit: str) -> Onsets:
 def restitution(onsets: Any, heights: Any, unit: str, keywords: Dict[str, Any]) -> Samples:
     if (onsets is None) == (heights is None):
         raise ValueError("give onsets or heights")
+    if heights is None and unit != "m":
+        raise ValueError("unit is of heights; times are in seconds")
     onsets = _onsets(onsets) if heights is None else _onsets_of_heights(heights, unit)
+    if keywords.get("ball") is not None and keywords.get("air") is None and onsets._source.get("in_air") is False:
+        keywords = dict(keywords, air=0)  # simulated without, which the ball's name would correct
     found = _core.restitution(onsets.to_dict(), _arguments(keywords))
     return Samples(found["columns"], summary=json.loads(found["summary"]), onsets=onsets)
 
 
+def _plates(groups: Any) -> str:
+    if groups is not None and not _is_name(groups):
+        raise TypeError("groups is the name of a table: groups.to_csv('plates.csv', index=False)")
+    return "" if groups is None else os.fspath(groups)
+
+
 def fit(samples: Any, groups: Any, keywords: Dict[str, Any], progress: Any) -> Fit:
     samples = Samples.of(samples)
-    plates = "" if groups is None else os.fspath(groups)
+    plates = _plates(groups)
     with shown(progress) as callback:
         fitted = Fit(_core.fit(samples.to_dict(), plates, _arguments(keywords), callback), samples=samples)
     _warn(fitted.warnings)
@@ -191,6 +214,7 @@ def analyze(recordings: Any, out: Any, keywords: Dict[str, Any], progress: Any) 
 def compare(samples: Any, out: Any, keywords: Dict[str, Any], progress: Any) -> Comparison:
     import tempfile
 
+    _plates(keywords.get("groups"))
     seen: Set[str] = set()
     given = list(samples) if isinstance(samples, (list, tuple)) else [samples]
     folder, temporary = _folder(out, "comparison")

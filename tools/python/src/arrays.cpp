@@ -2,6 +2,7 @@
 #include "arrays.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <utility>
 #include <variant>
@@ -60,7 +61,10 @@ std::vector<std::int64_t> integers_of(const py::array& array, const std::string&
 
 std::vector<std::string> texts_of(const py::handle& values, const std::string& place) {
   std::vector<std::string> texts;
-  for (const py::handle text : one_dimension(values, place)) texts.push_back(py::str(text).cast<std::string>());
+  for (const py::handle text : one_dimension(values, place)) {
+    const bool is_empty = text.is_none() || (py::isinstance<py::float_>(text) && std::isnan(text.cast<double>()));
+    texts.push_back(is_empty ? "" : py::str(text).cast<std::string>());  // pandas has NaN for an empty cell
+  }
   return texts;
 }
 
