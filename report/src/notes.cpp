@@ -33,9 +33,9 @@ constexpr Wording kWordings[]{
     {Kind::drops_too_short, warning,
      "{0} {0|drop has|drops have} fewer than {1} impacts and {0|is|are} left out (--min-impacts takes shorter drops)"},
     {Kind::eps_impossible, warning,
-     "{0} of {1} samples have ε below 0 or above 1; check the order of the times, the columns and their units"},
+     "{0} of {1} samples {0|has|have} ε below 0 or above 1; check the order of the times, the columns and their units"},
     {Kind::odd_speeds, warning,
-     "{0} of {1} speeds are not between 0.005 and 20 m/s; check that the {s}, and gravity in m/s^2"},
+     "{0} of {1} speeds {0|is|are} not between 0.005 and 20 m/s; check that the {s}, and gravity in m/s^2"},
     {Kind::contradicted_height, warning,
      "the drop height of {0:.4g} m (--drop-height) does not fit {1} of {2} {2|drop|drops}, whose flights suggest "
      "{3:.2g} m; check the height. Their first impact is left out"},
@@ -67,7 +67,7 @@ constexpr Wording kWordings[]{
      "and the file's name is added to theirs"},
     {Kind::same_content, warning, "{s} (by content); it is counted once"},
     {Kind::many_intervals_odd, warning,
-     "{0} of {1} bounces are left out: the time between their impacts is too long or too short, as if an "
+     "{0} of {1} bounces {0|is|are} left out: the time between their impacts is too long or too short, as if an "
      "impact were missing or false; check the times there"},
     {Kind::rows_left_out, warning, "{0} {0|sample is|samples are} left out ({s}); check sample {1}, the first of them"},
     {Kind::outliers, warning,
@@ -76,7 +76,8 @@ constexpr Wording kWordings[]{
     {Kind::gaps_of_time, warning,
      "the recording has {0} {0|gap|gaps} between impacts of a drop (by its time stamps), where impacts may be "
      "missing; record without interruption"},
-    {Kind::improbable_impacts, warning, "{0} of {1} impacts are probably not the ball's; no ε is taken from them"},
+    {Kind::improbable_impacts, warning,
+     "{0} of {1} impacts {0|is|are} probably not the ball's; no ε is taken from them"},
     {Kind::memory_fails, warning, "{s}"},
     {Kind::drops_differ, warning,
      "the {0} drops differ by more ({1:.2g} in ε) than the bounces of one drop ({2:.2g}): another ball, spot "
@@ -91,7 +92,7 @@ constexpr Wording kWordings[]{
      "timing errors"},
     {Kind::lossy_coding, warning,
      "lossy coding ({s}): times may be off by more than their stated errors; record as WAV or FLAC"},
-    {Kind::clipped, warning, "{0} of {1} impacts are clipped: record with less gain"},
+    {Kind::clipped, warning, "{0} of {1} impacts {0|is|are} clipped: record with less gain"},
     {Kind::of_file, warning, "{s}"},
     {Kind::beyond_speeds, warning, "ε at {0:.3g} m/s is extrapolated: the measured speeds are {1:.3g} to {2:.3g} m/s"},
     {Kind::track_taken, warning, "audio track {0} of {1} (counted from 0) is used (--track takes another)"},
@@ -127,7 +128,8 @@ constexpr Wording kWordings[]{
     {Kind::few_drops, detail,
      "{s}: standard errors of constants and slopes of p(ε) assume independent impacts, those of slopes may be "
      "1.7 times too small at low speeds; record 10 drops or more"},
-    {Kind::errors_not_stated, detail, "{0} of {1} samples state no timing error: it counts as scatter of ε there"},
+    {Kind::errors_not_stated, detail,
+     "{0} of {1} samples {0|states|state} no timing error: it counts as scatter of ε there"},
     {Kind::memory_without_ball, detail,
      "no ball is named: the fit with memory assumes a solid sphere (J = {0:.3g} m R^2) with a radius of "
      "{1:.3g} m; name the ball (--ball)"},

@@ -243,6 +243,7 @@ Eigen::MatrixXd covariance_of(const PlateSamples& samples, const PlateSamples::P
 using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 /// L^-1 columns, C = L L^T. @return ln det C
+// NOLINTNEXTLINE(performance-unnecessary-value-param): columns are written to
 double whiten(Eigen::MatrixXd covariance, Eigen::Ref<Rows> columns) {
   const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> root(covariance);
   root.matrixL().solveInPlace(columns);

@@ -11,6 +11,7 @@
 
 #include "bouncelab/core/note.hpp"
 #include "bouncelab/core/samples.hpp"
+#include "bouncelab/fit/recordings.hpp"
 #include "bouncelab/loop/comparison.hpp"
 
 namespace bouncelab::stages {
