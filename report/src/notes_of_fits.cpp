@@ -217,7 +217,6 @@ std::vector<Note> notes_of(const FitResult& result, const RestitutionSamples& sa
   std::vector<double> speeds_mps;
   if (result.curve)
     for (const CurveNode& node : result.curve->nodes) speeds_mps.push_back(node.v_mps);
-  if (result.dem_export) speeds_mps.push_back(result.dem_export->v_mps);
   note_speeds(speeds_mps, used, notes);
   note_timing(result.budget, notes);
   if (!memory_holds(result)) note_few_drops(result.law.drops, notes);

@@ -149,7 +149,8 @@ UnitSamples units_of(const std::vector<Row>& recordings, const std::vector<Recor
   return unit_samples(groups, pooled, config.orders, false);
 }
 
-RecordingFit row_of(const Row& recording, LawFitConfig config, const HistogramConfig& windows, bool is_one_of_many) {
+/// @param windows  of its histograms; nullptr: none
+RecordingFit row_of(const Row& recording, LawFitConfig config, const HistogramConfig* windows, bool is_one_of_many) {
   const RestitutionSamples& samples = recording.second;
   RecordingFit row;
   row.recording = recording.first;
@@ -171,7 +172,7 @@ RecordingFit row_of(const Row& recording, LawFitConfig config, const HistogramCo
   }
   row.law = fit_law(samples, config);
   row.parameters = row.law.parameters;
-  if (!is_one_of_many) row.histograms = fit_histograms(*PartOfSamples(samples, row.law.outliers), windows, row.law);
+  if (windows) row.histograms = fit_histograms(*PartOfSamples(samples, row.law.outliers), *windows, row.law);
   return row;
 }
 
@@ -200,9 +201,10 @@ Recordings compare_recordings(const RestitutionSamples& samples, const LawFitCon
   if (recordings.size() < 2) return {};
   Recordings result;
   result.rows.resize(recordings.size());
+  const bool are_many = recordings.size() > kManyRecordings, has_windows = !are_many && plates.empty();
   with_threads(0, [&] {
     parallel_for(recordings.size(), 0, [&](std::size_t k) {
-      result.rows[k] = row_of(recordings[k], config, windows, recordings.size() > kManyRecordings);
+      result.rows[k] = row_of(recordings[k], config, has_windows ? &windows : nullptr, are_many);
     });
     if (!pooled.law || !pooled.scatter) return;
     if (const auto found = agreement(units_of(recordings, result.rows, config, pooled))) {

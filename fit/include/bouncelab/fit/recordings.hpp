@@ -76,7 +76,7 @@ std::vector<std::pair<std::string, RestitutionSamples>> by_row(const Restitution
 /// @param samples  finite, v > 0: those of the pooled fit with its outliers, which may be all of one recording
 /// @param config   of the pooled fit; its replicates and comparisons are not made again
 /// @param pooled   that fit: nodes, form of the scatter
-/// @param windows  of the rows' histograms
+/// @param windows  of the rows' histograms; none of plates, which are fitted as alone afterwards
 Recordings compare_recordings(const RestitutionSamples& samples, const LawFitConfig& config, const LawFit& pooled,
                               const HistogramConfig& windows = {}, const Plates& plates = {});
 
