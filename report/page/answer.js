@@ -46,16 +46,19 @@ function rowsOfRecordings(answer) {
 const kColumnsOfRecordings = {recording: r => shownName(r.name), eps: r => r.eps, standard_error: r => r.se, low95: r => r.ci95 && r.ci95[0], high95: r => r.ci95 && r.ci95[1], v_mps: r => r.v_mps, energy_lost: r => r.energy_lost, n_drops: r => r.n_drops, n_impacts: r => r.n_impacts,
   drop_height_m: r => r.height_m, drop_height_low95_m: r => r.height_ci95_m && r.height_ci95_m[0], drop_height_high95_m: r => r.height_ci95_m && r.height_ci95_m[1], bouncing_s: r => r.bouncing_s, length_s: r => r.length_s, remark: r => r.remark};
 
-/// A table with a row for each of several recordings; where each fits into a line, it is one. All of it is in its CSV.
+const kMostRows = 50;
+/// A row for each of several recordings; below, why some have no ε. All of it is in its CSV.
 function recordingRows(parent, answer) {
   if (!(answer.recordings || []).length) return;
-  const all = rowsOfRecordings(answer), rows = all.slice(0, 50), speeds = [...new Set(all.filter(r => known(r.eps)).map(r => r.v_mps))];
-  const percent = x => known(x) ? `${(100 * x).toFixed(1)} %` : '–', hasRemarks = rows.some(r => r.remark);
-  table(nounOfRows === 'plate' ? 'Plate by plate' : 'Recording by recording', [nounOfRows, 'ε ± standard error', '95 %', 'speed', 'energy lost', 'impacts', 'height', 'remark'],
+  const all = rowsOfRecordings(answer), found = all.filter(r => known(r.eps)), rows = found.slice(0, kMostRows), without = all.filter(r => !known(r.eps)), speeds = [...new Set(found.map(r => r.v_mps))];
+  const percent = x => known(x) ? `${(100 * x).toFixed(1)} %` : '–';
+  table(nounOfRows === 'plate' ? 'Plate by plate' : 'Recording by recording', [nounOfRows, 'ε ± standard error', '95 %', 'speed', 'energy lost', 'impacts', 'height'],
         rows.map(r => [shownName(r.name) || '(no name)', known(r.eps) ? measured(r.eps, r.se) : '–', interval(r.ci95), speeds.length > 1 && known(r.v_mps) ? speed(r.v_mps) : '–', percent(r.energy_lost),
-                       number(r.n_impacts), r.height || '–', r.remark ? element('span', {class: 'words'}, withoutPaths(r.remark)) : hasRemarks ? '' : '–']),
+                       number(r.n_impacts), r.height || '–']),
         `Each ${nounOfRows} alone: ε ${speeds.length === 1 ? `at ${speed(speeds[0])} ` : ''}with its 95 % range, energy lost in a bounce, height of the drop where its first impact was recorded.` +
-        (all.length > rows.length ? ` The first ${rows.length} of ${all.length}.` : ''), parent);
+        (found.length > rows.length ? ` The first ${rows.length} of ${found.length}.` : ''), parent);
+  table('', [nounOfRows, 'why there is no ε'], without.slice(0, kMostRows).map(r => [shownName(r.name) || '(no name)', element('span', {class: 'words'}, withoutPaths(r.remark))]),
+        without.length > kMostRows ? `The first ${kMostRows} of ${without.length}.` : '', parent);
   const csv = element('button', {type: 'button'}, 'Save all of it as CSV');
   csv.addEventListener('click', () => saved('recordings', 'csv', 'text/csv', csvText([Object.keys(kColumnsOfRecordings), ...all.map(r => Object.values(kColumnsOfRecordings).map(of => of(r)))])));
   parent.append(element('p', {class: 'save-rows'}, csv));

@@ -12,7 +12,7 @@ const kMostSeconds = 1800;
 const allowedRate = rate => rate >= 8000 && rate <= 96000;
 
 /// What people choose by mistake, by the first bytes.
-const kOthers = [[/^%PDF/, 'a PDF'], [/^(\xff\xd8\xff|\x89PNG|GIF8|RIFF....WEBP|....ftyp(heic|heix|mif1|avif))/s, 'a picture'], [/^PK\x03\x04/, 'an archive or a document (ZIP, Excel, Word)'], [/^(\xd0\xcf\x11\xe0|\{\\rtf)/, 'a document'], [/^\s*<(!doctype )?html/i, 'a web page']];
+const kOthers = [[/^%PDF/, 'a PDF'], [/^(\s*(<\?xml[^>]*>\s*)?<svg|\xff\xd8\xff|\x89PNG|GIF8|RIFF....WEBP|....ftyp(heic|heix|mif1|avif))/s, 'a picture'], [/^PK\x03\x04/, 'an archive or a document (ZIP, Excel, Word)'], [/^(\xd0\xcf\x11\xe0|\{\\rtf)/, 'a document'], [/^\s*<(!doctype )?html/i, 'a web page']];
 
 /// Throws what to do where the file is neither sound nor a table.
 function refuseOthers(bytes, name) {

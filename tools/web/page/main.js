@@ -14,7 +14,7 @@ import {hideQuestion, showQuestion} from './question.js';
 import {scatterOptions, showClosedLoop, showScatter, simulateOptions, trueCurve} from './simulate.js';
 
 const $ = id => document.getElementById(id);
-let open = null;        // what is on the page: {stem, rate_hz, wav, simulated}, of times {stem, reading}; given: the fields it was computed with
+let open = null;        // what is on the page: {stem, rate_hz, wav, simulated}, of times {stem, reading}; given: the fields it was computed with, isHeard: its marks are on the page
 let section = null;     // the sound and its marks
 let refitting = false, wanted = null;
 
@@ -52,7 +52,7 @@ async function work(action, begins = false) {
 
 const settings = new Settings(() => {
   if (open?.times) work(showTimes);
-  else if (open && section) refit(section.marks.list);
+  else if (open?.isHeard) refit(section.marks.list);  // before, the marks are those of another sound
   survey.again();
 }, () => outdated(open?.given !== settings.given()));
 /// A simulated ball and plate are known.
@@ -87,12 +87,14 @@ async function analyze(stays) {
   await breath();
   if (!section) section = new SoundSection($('sound'), marks => refit(marks));
   section.load(result.mono, result.envelope, open.rate_hz, result.marks);
+  open.isHeard = true;
   await breath();
   await show(result);
   const seconds = `${open.note ? open.note + ' ' : ''}${number(open.duration_s, 3)} s of sound at ${number(open.rate_hz)} Hz, ${open.format}; computed in ${number(result.seconds, 2)} s.`;
   say(open.said ? `${open.said}${seconds}` : seconds);
   showFirst();
   document.dispatchEvent(new CustomEvent('bouncelab-result', {detail: {seconds: result.seconds, n_marks: result.marks.length}}));
+  if (open.given !== settings.given()) refit(section.marks.list);  // told meanwhile
 }
 
 /// A file of times has no sound to be shown.
@@ -237,7 +239,7 @@ function start() {
     $('version').textContent = `bouncelab ${started.version}`;
     keepOffline();
   }).catch(sayTrouble);
-  microphone = new Microphone(engine, settings, clear, recorded);
+  microphone = new Microphone(engine, settings, () => { survey.begin([]); clear(); }, recorded);
   microphone.onTrouble = sayTrouble;
   acceptFiles($('way-file'), $('file'), takeFiles);
   acceptNumbers(takeFiles, () => outdated(Boolean(open?.typed)), error => {

@@ -345,6 +345,25 @@ describe('the page', {skip: missing ?? false}, () => {
     assert.ok(!await isOld());
   });
 
+  test('a ball that is chosen while a sound is worked out counts for that sound', async () => {
+    const other = join(work, 'other.csv'), lead = () => page.$eval('#answer .lead', node => node.textContent);
+    await page.click('#settings summary');
+    await refitted(page, () => page.select('#ball', 'table-tennis'));
+    const expected = await lead();
+    await refitted(page, () => page.select('#ball', ''));
+    writeFileSync(other, 't (s)\n0.1\n0.7\n1.2\n1.61\n');
+    await choose(page, other);
+    await refitted(page, async () => {
+      await (await page.$('#file')).uploadFile(clean);
+      await page.waitForFunction(() => document.getElementById('status').textContent.startsWith('Finding'));
+      await page.select('#ball', 'table-tennis');
+    });
+    assert.equal(await countOf(page), truth.length);
+    assert.equal(await lead(), expected);
+    await refitted(page, () => page.select('#ball', ''));
+    await page.click('#settings summary');
+  });
+
   test('compressed sound and video are decoded at their own rate', async t => {
     const formats = [['own.m4a', '44\u202f100', 'AAC', '-ar', '44100', '-c:a', 'aac', '-b:a', '192k'], ['own.mp3', '32\u202f000', 'MP3', '-ar', '32000', '-b:a', '192k'], ['own.webm', '48\u202f000', 'Opus', '-c:a', 'libopus'], ['own.ogg', '44\u202f100', 'Vorbis', '-ar', '44100', '-c:a', 'libvorbis']];
     const notes = () => page.$eval('#result', node => node.textContent.toLowerCase());  // as a doubt of the answer, or as a note
