@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Several files: a table with a row each, worked out one after the other by a worker of its own, so that what is on the
-// page stays as it is. (element, headCell, scrollPlace, measured, interval, speed, csvText: report's text.js)
+// page stays as it is. (element, headCell, scrollPlace, measured, speed, csvText: report's text.js)
 import {save} from './downloads.js';
 import {Engine} from './engine.js';
 import {readFile} from './files.js';
@@ -39,7 +39,7 @@ export class Survey {
     this.chosen = files[0];
     this.body = element('tbody');
     const place = scrollPlace('Recordings'), csv = element('button', {type: 'button'}, 'This table (CSV)');
-    place.append(element('table', {}, element('thead', {}, element('tr', {}, ['recording', 'ε ± standard error', '95 %', 'at', 'bounces', 'to know'].map(headCell))), this.body));
+    place.append(element('table', {}, element('thead', {}, element('tr', {}, ['recording', 'ε ± standard error', 'at', 'bounces', 'to know'].map(headCell))), this.body));
     csv.addEventListener('click', () => save('recordings.csv', [this.csv()], 'text/csv'));
     this.host.append(place, element('div', {class: 'row'}, csv));
     this.again();
@@ -75,7 +75,7 @@ export class Survey {
         this.show();
         this.choose(file);
       });
-      const cells = [button, at ? measured(at.eps, at.se) : '–', interval(at?.ci95), at ? speed(at.v_mps) : '–', number(n_impacts), remark ? element('span', {class: 'words'}, remark) : ''];
+      const cells = [button, at ? measured(at.eps, at.se) : '–', at ? speed(at.v_mps) : '–', number(n_impacts), remark ? element('span', {class: 'words'}, remark) : ''];
       return element('tr', {}, cells.map((cell, column) => element(column ? 'td' : 'th', column ? {} : {scope: 'row'}, cell)));
     }));
     if (focused >= 0) this.body.querySelectorAll('button')[focused].focus();
