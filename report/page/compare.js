@@ -21,6 +21,9 @@ function straightBand(x0, x1, lo, hi, rise, color, name) {
 /// Each of the groups that have their own eps.
 const ownGroups = c => c.differences && c.differences.differ ? c.differences.groups : [];
 
+/// An entry of the legend that is nothing in the picture.
+const inLegend = shown => ({x: [null], y: [null], type: 'scatter', mode: 'lines', hoverinfo: 'skip', ...shown});
+
 function drawCampaign(parent, c, points) {
   const {byDate, at, axis: time} = campaignAxis(c.drift), tau = c.tau.value, groups = ownGroups(c).length > 6 ? [] : ownGroups(c);  // more would hide each other
   const places = points.time.filter(known), begin = Math.min(...places), end = Math.max(...places);
@@ -37,15 +40,17 @@ function drawCampaign(parent, c, points) {
   const levels = groups.length ? groups.map((g, k) => ({name: g.name, color: groupColour(k), eps: g.eps.value, next: g.prediction95})) :
                                  [{name: 'recordings', color: blue, eps: c.eps && c.eps.value, next: c.prediction95}];
   levels.forEach(({name, color, eps, next}, k) => {
-    const once = {showlegend: k === 0};  // the bands and lines of the others are like those of the first
     const fill = share => color.replace(/^#(..)(..)(..)$/, (_, ...parts) => `rgba(${parts.slice(0, 3).map(p => parseInt(p, 16)).join(',')},${share})`);
     const isOfIt = k => points.plate[k] ? points.plate[k] === name : points.recording[k] === name || points.recording[k].endsWith('/' + name);
     const of = groups.length ? inside.filter(isOfIt) : inside;
-    if (places.length && next) traces.push({...along(next[0], next[1], fill(.08), groups.length ? `${name}: 95 % of recordings` : '95 % of recordings'), ...once});
+    if (places.length && next) traces.push({...along(next[0], next[1], fill(.08), groups.length ? `${name}: 95 % of recordings` : '95 % of recordings'), showlegend: !groups.length});
     if (places.length && tau > 0 && c.eps) traces.push(along(eps - tau, eps + tau, fill(.18), 'pooled ε ± τ'));
     traces.push(trace(of, name, {size: many ? 3.5 : 6.5, color, opacity: many ? 0.6 : 1}, !many));
-    if (c.drift && eps !== null) traces.push({x: [begin, end].map(at), y: [eps + line(begin), eps + line(end)], type: 'scatter', mode: 'lines', name: groups.length ? `${name}: straight line` : 'straight line', line: {color: groups.length ? color : red, width: 2}, hoverinfo: 'skip', ...once});
+    if (c.drift && eps !== null) traces.push({x: [begin, end].map(at), y: [eps + line(begin), eps + line(end)], type: 'scatter', mode: 'lines', name: groups.length ? `${name}: straight line` : 'straight line', line: {color: groups.length ? color : red, width: 2}, hoverinfo: 'skip', showlegend: !groups.length});
   });
+  // bands and lines are alike but for the colour of their group
+  if (groups.length && levels.some(g => g.next)) traces.push(inLegend({name: 'band of each: 95 % of its recordings', fill: 'toself', fillcolor: 'rgba(120,132,145,.25)', line: {width: 0}}));
+  if (groups.length && c.drift) traces.push(inLegend({name: 'line of each: the drift', line: {color: grey, width: 2}}));
   if (outside.length) traces.push(trace(outside, 'outliers', {size: 10, color: orange, symbol: 'diamond', line: {color: ink, width: 1}}, true));
   draw(parent, '', traces, {showlegend: true, xaxis: time, yaxis: axis(`coefficient of restitution<br>ε at ${speed(c.v_mps)}`)});
 }
@@ -55,10 +60,10 @@ const groupColour = k => [blue, red, orange, green, grey, ink][k % 6];
 /// ε of each group that has its own, and where one more recording of it is expected.
 function drawOfGroups(parent, groups) {
   const bars = (name, color, width, interval) => ({
-    x: groups.map(g => g.name), y: groups.map(g => g.eps.value), type: 'scatter', mode: 'markers', name, marker: {size: 8, color},
+    x: groups.map(g => g.name), y: groups.map(g => g.eps.value), type: 'scatter', mode: 'markers', name, bars: '95 %', marker: {size: 8, color},
     error_y: {type: 'data', symmetric: false, array: groups.map(g => interval(g) ? interval(g)[1] - g.eps.value : null), arrayminus: groups.map(g => interval(g) ? g.eps.value - interval(g)[0] : null), thickness: width, width: 4, color},
     hovertemplate: '%{x}<br>ε = %{y:.5f}<extra></extra>'});
-  draw(parent, 'low', [...(groups.some(g => g.prediction95) ? [bars('one more recording, 95 %', grey, 1.2, g => g.prediction95)] : []), bars('ε with its 95 % interval', blue, 2.4, g => g.eps.ci95)],
+  draw(parent, 'low', [...(groups.some(g => g.prediction95) ? [bars('one more recording', grey, 1.2, g => g.prediction95)] : []), bars('ε', blue, 2.4, g => g.eps.ci95)],
        {showlegend: true, xaxis: axis('plate or recording', {type: 'category'}), yaxis: axis(`coefficient of restitution<br>ε at ${speed(groups[0].v_mps)}`)});
 }
 
@@ -101,7 +106,7 @@ function drawNodes(parent, c) {
 function drawDifferences(parent, d) {
   const colors = [blue, red, orange, grey, ink, blue];
   draw(parent, 'low', d.rows.map((row, k) => ({
-    x: row.nodes.map(n => n.v_mps * (1 + 0.012 * k)), y: row.nodes.map(n => n.eps), type: 'scatter', mode: 'markers', name: `${row.group} less ${row.reference}`, marker: {size: 8, color: colors[k]},
+    x: row.nodes.map(n => n.v_mps * (1 + 0.012 * k)), y: row.nodes.map(n => n.eps), type: 'scatter', mode: 'markers', name: `${row.group} less ${row.reference}`, bars: '95 %', marker: {size: 8, color: colors[k]},
     error_y: {type: 'data', symmetric: false, array: row.nodes.map(n => n.ci95[1] - n.eps), arrayminus: row.nodes.map(n => n.eps - n.ci95[0]), thickness: 1.4, width: 4, color: colors[k]},
     hovertemplate: 'at %{x:.2f} m/s<br>%{y:.2e}<extra></extra>'})),
        {showlegend: d.rows.length > 1, xaxis: axis('normal impact speed v (m/s)'), yaxis: axis('difference of ε', {exponentformat: 'power'}),
@@ -148,9 +153,9 @@ function comparisonPage(c, points) {
   const [lead, ...rest] = c.answer;
   words.append(element('p', {class: 'lead'}, lead), ...rest.map(s => element('p', {}, s)));
   if (c.status === 'ok') {
-    words.append(element('p', {class: 'caption'}, 'ε (epsilon), the coefficient of restitution: speed just after a bounce over speed just before it. ± is the standard error; it includes what differs from recording to recording.'));
+    words.append(element('p', {class: 'caption'}, 'ε (epsilon), the coefficient of restitution: speed just after a bounce over speed just before it. ± is the standard error; it includes what differs from recording to recording. p: how often chance alone would make so large a difference.'));
     const thinned = points.n > points.eps.length ? ` ${number(points.eps.length)} of ${number(points.n)} recordings are drawn, all outliers among them.` : '';
-    drawCampaign(figure('campaign', 'ε over the campaign', (ownGroups(c).length > 6 ? 'Points: recordings, with the error of each alone.' : ownGroups(c).length ? 'Points: recordings, with the error of each alone; bands: where 95 % of the recordings of each are expected. Lines: the drift, one for all, which the bands follow.' : 'Points: recordings, with the error of each alone. Dark band: pooled ε and the standard deviation between recordings, τ; light band: where 95 % of recordings are expected. Line: the drift, which both bands follow; plates are not taken out.') + thinned, section), c, points);
+    drawCampaign(figure('campaign', 'ε over the campaign', (ownGroups(c).length > 6 ? 'Points: recordings, with the standard error of each alone.' : ownGroups(c).length ? 'Points: recordings, with the standard error of each alone; bands: where 95 % of the recordings of each are expected. Lines: the drift, one for all, which the bands follow.' : 'Points: recordings, with the standard error of each alone. Dark band: pooled ε and the standard deviation between recordings, τ; light band: where 95 % of recordings are expected. Line: the drift, which both bands follow; plates are not taken out.') + thinned, section), c, points);
   }
   if (c.notes.length) {
     add('h2', {id: 'notes'}, 'What to know before using it');

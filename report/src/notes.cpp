@@ -223,19 +223,24 @@ std::string pattern_of(NoteKind kind) {
   });
 }
 
+/// With the recording before it, where it does not begin with that.
+static std::string with_recording(const Note& note, const std::string& text) {
+  const std::string name = note.recording + ": ";
+  return note.recording.empty() || text.starts_with(name) ? text : name + text;
+}
+
 std::string as_sentence(const Note& note) {
   std::string text = in_words(note);
   const bool begins_with_file = text.substr(0, text.find_first_of(" :")).find('.') != std::string::npos;
   if (!begins_with_file) text.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(text.front())));
   if (text.back() != '.' && text.back() != '?') text += '.';
-  return note.recording.empty() ? text : note.recording + ": " + text;
+  return with_recording(note, text);
 }
 
 std::vector<std::string> texts_of(const std::vector<Note>& notes, std::optional<Severity> severity) {
   std::vector<std::string> texts;
   for (const Note& note : notes)
-    if (!severity || severity_of(note.kind) == *severity)
-      texts.push_back((note.recording.empty() ? "" : note.recording + ": ") + in_words(note));
+    if (!severity || severity_of(note.kind) == *severity) texts.push_back(with_recording(note, in_words(note)));
   return texts;
 }
 
