@@ -88,9 +88,10 @@ void look_beside(const SmoothCurve& curve, LawFit& law, const LawFitConfig& conf
   if (memory) widen_law(*memory, model, q, beside.covariance);
 }
 
-/// What is stated as the law's constants.
+/// What is stated as the law's constants: none of samples that are of no one ball.
 Constants constants_of(const FitResult& result, const LawFit& viscoelastic) {
   const LawFit& law = result.law;
+  if (!result.is_one_ball) return {FitStatus::not_applicable, {}, false, {}, {}, {}};
   Constants constants{law.status, law.why, false, law.parameters, law.covariance, {}};
   if (memory_holds(result)) {
     const MemoryFit& memory = *result.memory;

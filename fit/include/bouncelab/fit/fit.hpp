@@ -50,7 +50,7 @@ struct FitConfig {
 Description members_of(const FitConfig*);
 
 /// Constants of the law as they are stated: of the fit with memory where that holds, else of `law`; none where the law
-/// does not describe the samples.
+/// does not describe the samples, or these are of no one ball.
 struct Constants {
   FitStatus status = FitStatus::too_few_samples;
   std::optional<Note> why;  ///< of the status; absent where all is well
