@@ -69,6 +69,15 @@ TEST_F(SeveralFiles, OfTheSameContentCountOnce) {
   EXPECT_EQ(json("out/summary.json")["n_onsets"], 25);
 }
 
+TEST_F(SeveralFiles, OfAFolderAreItsRecordingsWithoutTheProvenanceBesideThem) {
+  write("a.wav", float_wav(bouncing(12), 44100));
+  write("b.wav", float_wav(bouncing(13), 44100));
+  write("b.wav.meta.json", "{}");
+  const Result result = run("detect a.wav b.wav b.wav.meta.json --out o.csv --json");
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(Json(result.out)["n_onsets"], 25);
+}
+
 TEST_F(SeveralFiles, WithTheSameDropAreSaidToHaveItTwice) {
   for (const int begin_s : {0, 3}) {
     std::string rows = "t_s\n";

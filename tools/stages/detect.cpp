@@ -149,6 +149,8 @@ std::vector<std::filesystem::path> recordings_of(const DetectOptions& options) {
   if (all.empty())
     throw InvalidArgument(options.list.empty() ? "no recording was named; name one, or a list of them with --list"
                                                : "--list " + printable(options.list) + ": names no recording");
+  if (all.size() > 1)  // a shell's FOLDER/* names the provenance beside recordings too
+    std::erase_if(all, [](const std::filesystem::path& file) { return file.string().ends_with(".meta.json"); });
   return all;
 }
 
