@@ -299,6 +299,40 @@ TEST(CompareCampaign, OfPlatesThatDifferEachHasItsOwnEpsAndTheNextRecordingOfItI
   }
 }
 
+TEST(CompareCampaign, OfHundredsOfRecordingsHasNoBiasThatTheirMeanShows) {
+  // two drops of 30 bounces each: a hard ball, a soft one, and one that yields, eps ~ v^(-1/4)
+  TableLaw yields;
+  for (double v_mps = 0.1; v_mps < 2.0; v_mps += 0.01) {
+    yields.v_mps.push_back(v_mps);
+    yields.eps.push_back(0.6 * std::pow(v_mps, -0.25));
+  }
+  for (const RestitutionLaw& law :
+       {RestitutionLaw(SeriesLaw{}), RestitutionLaw(ViscoelasticLaw{0.3}), RestitutionLaw(yields)}) {
+    std::vector<CampaignRecording> recordings(200);
+    parallel_for(recordings.size(), 0, [&](std::size_t r) {
+      Random random(r, RandomStream::test, 3);
+      RestitutionSamples samples;
+      for (int k = 0; k < 60; ++k) {
+        RestitutionSample s;
+        s.recording = "r" + std::to_string(r);
+        s.drop = k / 30;
+        s.impact = 1 + k % 30;
+        s.v_mps = 1.4 * std::pow(0.15, (k % 30) / 29.0);
+        s.eps = restitution(law, s.v_mps) + 1e-3 / s.v_mps * (random.exponential() - random.exponential());
+        samples.push_back(s);
+      }
+      recordings[r].summary = summarize_recording(samples);
+    });
+    const BetweenRecordings found = compare_campaign(recordings);
+    ASSERT_GE(found.nodes.size(), 7u);
+    for (const CampaignNode& node : found.nodes) {
+      const double variance = 2e-6 / (node.v_mps * node.v_mps);
+      EXPECT_NEAR(node.eps.value, std::hypot(restitution(law, node.v_mps), std::sqrt(variance)), 3.0 * *node.eps.se)
+          << node.v_mps;
+    }
+  }
+}
+
 TEST(CompareCampaign, NamesOutliersAndLeavesThemOut) {
   const Campaign campaign{.n = 60, .n_days = 60};
   std::vector<CampaignRecording> recordings = drawn(campaign);

@@ -27,7 +27,7 @@
 namespace bouncelab::fit {
 namespace {
 
-constexpr std::size_t kDropsOfACovariance = 30;  // a covariance of three values by M drops is wrong by about 3/M
+constexpr std::size_t kDropsOfACovariance = 30;  // a covariance by M drops is wrong by about four values' share, 4/M
 constexpr std::size_t kWidthKnown = 30;  // samples; below, fit_law takes one term of the scatter without a choice
 
 /// Which samples are outliers, and how the others scatter.
@@ -39,41 +39,55 @@ LawFit scatter_about_law(const RestitutionSamples& samples, const std::pair<doub
   return fit_law(samples, config);
 }
 
-/// eps - 1 = X q, by weighted least squares.
+/// The mean of eps as a polynomial in ln v, by weighted least squares.
 struct Regression {
-  LawModel law;
-  Eigen::VectorXd q;
+  double middle = 0.0;  ///< of ln v
+  Eigen::VectorXd coefficients;
   Eigen::MatrixXd covariance;
+
+  Eigen::VectorXd row(double v_mps) const { return powers(log(v_mps) - middle, coefficients.size()); }
+  static Eigen::VectorXd powers(double x, Eigen::Index n) {
+    Eigen::VectorXd row = Eigen::VectorXd::Ones(n);
+    for (Eigen::Index k = 1; k < n; ++k) row[k] = row[k - 1] * x;
+    return row;
+  }
 };
 
-/// With as many powers of v as the speeds determine.
+/// Of a degree by which no law is seen to bend differently (eps ~ v^(-1/4) over a factor seven of speed: by 2e-5), or
+/// of the highest that the speeds determine.
 /// @param weights  inverse variances
-std::optional<Regression> regression(const RestitutionSamples& samples, const Eigen::VectorXd& weights) {
-  constexpr double kDetermined = 1e-7;  // of the information, scaled: over a factor 1.5 of speed two powers
-  const std::vector<double> v_mps = speeds_of(samples);
-  Eigen::VectorXd y(weights.size());
-  for (std::size_t k = 0; k < samples.size(); ++k) y[static_cast<Eigen::Index>(k)] = samples[k].eps - 1.0;
-  for (const std::vector<int>& orders : {std::vector<int>{2, 4, 5}, std::vector<int>{2, 4}, std::vector<int>{2}}) {
-    LawModel law = make_law_model(LawKind::series, orders, v_mps);
-    const Eigen::MatrixXd x = law.jacobian(v_mps, Eigen::VectorXd::Ones(law.n_parameters()));
+std::optional<Regression> regression(const RestitutionSamples& samples, const Eigen::VectorXd& weights,
+                                     const std::pair<double, double>& speeds) {
+  constexpr double kDetermined = 1e-9;  // of the information, scaled
+  const double ratio = speeds.second / speeds.first;
+  Regression found{0.5 * log(speeds.first * speeds.second), {}, {}};
+  for (Eigen::Index n = ratio < kOneSpeed ? 2 : ratio < 2.0 ? 3 : ratio < 4.0 ? 4 : 5; n > 0; --n) {
+    Eigen::MatrixXd x(weights.size(), n);
+    Eigen::VectorXd y(weights.size());
+    for (Eigen::Index k = 0; k < weights.size(); ++k) {
+      const RestitutionSample& s = samples[static_cast<std::size_t>(k)];
+      x.row(k) = Regression::powers(log(s.v_mps) - found.middle, n).transpose();
+      y[k] = s.eps;
+    }
     const Eigen::MatrixXd weighted = weights.asDiagonal() * x;
     const Eigen::MatrixXd information = transposed_product(x, weighted);
     if (!(scaled_eigenvalues(information).minCoeff() > kDetermined)) continue;
-    const Eigen::MatrixXd covariance = inverse(information);
-    const Eigen::VectorXd q = product(covariance, transposed_product(weighted, y));
+    found.covariance = inverse(information);
+    found.coefficients = product(found.covariance, transposed_product(weighted, y));
+    const Eigen::VectorXd off = y - product(x, found.coefficients);
     DropNumbers drops;
     std::vector<Eigen::VectorXd> scores;
-    for (std::size_t k = 0; k < samples.size(); ++k) {
-      const auto row = static_cast<Eigen::Index>(k);
-      const std::size_t drop = drops.of(samples[k]);
-      if (drop == scores.size()) scores.emplace_back(Eigen::VectorXd::Zero(q.size()));
-      scores[drop] += weighted.row(row).transpose() * (y[row] - x.row(row).dot(q));
+    for (Eigen::Index k = 0; k < weights.size(); ++k) {
+      const std::size_t drop = drops.of(samples[static_cast<std::size_t>(k)]);
+      if (drop == scores.size()) scores.emplace_back(Eigen::VectorXd::Zero(n));
+      scores[drop] += off[k] * weighted.row(k).transpose();
     }
+    if (scores.size() < kDropsOfACovariance) return found;
     const auto n_drops = static_cast<double>(scores.size());
-    if (scores.size() < kDropsOfACovariance) return Regression{std::move(law), q, covariance};
-    Eigen::MatrixXd squares = Eigen::MatrixXd::Zero(q.size(), q.size());
+    Eigen::MatrixXd squares = Eigen::MatrixXd::Zero(n, n);
     for (const Eigen::VectorXd& score : scores) squares += score * score.transpose();
-    return Regression{std::move(law), q, n_drops / (n_drops - 1.0) * congruence(covariance, squares)};
+    found.covariance = n_drops / (n_drops - 1.0) * congruence(found.covariance, squares);
+    return found;
   }
   return std::nullopt;
 }
@@ -134,16 +148,15 @@ RecordingSummary summarize_recording(const RestitutionSamples& samples) {
     const RestitutionSample& s = (*kept)[k];
     weights[static_cast<Eigen::Index>(k)] = 1.0 / (fit.scatter->variance(s.v_mps) + square(s.sigma_eps.value_or(0.0)));
   }
-  const std::optional<Regression> found = weights.allFinite() ? regression(*kept, weights) : std::nullopt;
+  const std::optional<Regression> found =
+      weights.allFinite() ? regression(*kept, weights, {speeds.front(), speeds.back()}) : std::nullopt;
   if (!found) return summary;
-  const Eigen::MatrixXd rows = found->law.jacobian(speeds, found->q);
-  for (std::size_t k = 0; k < speeds.size(); ++k) {
-    const Eigen::VectorXd row = rows.row(static_cast<Eigen::Index>(k)).transpose();
+  for (const double v_mps : speeds) {
+    const Eigen::VectorXd row = found->row(v_mps);
     const double variance = congruence(row, found->covariance)(0, 0);
     if (!(variance > 0.0)) return summary;
-    summary.nodes.push_back(
-        {speeds[k], normal_estimate(hypot(1.0 + row.dot(found->q), std::sqrt(fit.scatter->variance(speeds[k]))),
-                                    std::sqrt(variance))});
+    const double eps = hypot(row.dot(found->coefficients), std::sqrt(fit.scatter->variance(v_mps)));
+    summary.nodes.push_back({v_mps, normal_estimate(eps, std::sqrt(variance))});
   }
   summary.status = FitStatus::ok;
   summary.why.reset();

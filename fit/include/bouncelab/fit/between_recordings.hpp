@@ -66,10 +66,11 @@ struct RecordingSummary {
 /// Samples fewer than these, without those left out, have no curve with an error that could be relied on.
 inline constexpr std::size_t kFewestOfASummary = 8;
 
-/// By least squares: the mean of eps as a sum of powers of v, those of the series law (v^(1/5), v^(2/5), v^(1/2)) or as
-/// many of them as the speeds determine. Unlike the smooth curve (Curve) it has no prior that the means of thousands of
-/// recordings would share. Weights are those of the fitted scatter. Errors are by drop from 30 drops on: with fewer
-/// they are those of independent samples, and what impacts of a drop share counts as a difference between recordings.
+/// By weighted least squares: the mean of eps as a polynomial in ln v, of the third degree where the speeds span a
+/// factor two, of the fourth from a factor four on. Unlike the smooth curve (Curve) it has no prior, which the means of
+/// thousands of recordings would share. Weights are those of the fitted scatter. Errors are by drop from 30 drops on:
+/// with fewer they are those of independent samples, and what impacts of a drop share counts as a difference between
+/// recordings.
 /// @param samples  all of one recording, of at least one sample
 RecordingSummary summarize_recording(const RestitutionSamples& samples);
 
