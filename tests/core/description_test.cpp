@@ -91,7 +91,9 @@ TEST(Description, WhatAProgramFillsIsRefusedAsWhatIsTyped) {
   };
   EXPECT_EQ(refused([](Whole& w) { w.n = -1; }), "n: '-1' must be a decimal integer from 1 to 1000000000");
   EXPECT_EQ(refused([](Whole& w) { w.speed_mps = NAN; }), "speed_mps: 'nan' must be a finite decimal number");
-  EXPECT_EQ(refused([](Whole& w) { w.nodes = {0.5, INFINITY}; }),
+  EXPECT_EQ(refused([](Whole& w) {
+              w.nodes = {0.5, INFINITY};
+            }),
             "nodes: 'inf' must be a finite decimal number from 0 to 1");
   EXPECT_EQ(refused([](Whole& w) { w.start_m = {1.0}; }), "start_m: '1' must be 2 finite decimal numbers, X,Y");
   EXPECT_EQ(refused([](Whole& w) { w.height_m = 0.0; }),

@@ -121,7 +121,8 @@ struct OutputFile::State {
   }
 
   void check(int error) const {
-    if (error != 0) throw FileError(path.string(), "cannot be put in place: " + std::string(std::strerror(error)), error);
+    if (error != 0)
+      throw FileError(path.string(), "cannot be put in place: " + std::string(std::strerror(error)), error);
   }
 };
 

@@ -69,7 +69,8 @@ void add_options(std::map<std::string, Member>& all) {
   stages::CommonOptions common;
   Sections sections = sections_of(options);
   sections.push_back(stages::common_section(common));
-  for (const stages::Option& option : stages::options_of(sections)) all.emplace(option_name(*option.member), *option.member);
+  for (const stages::Option& option : stages::options_of(sections))
+    all.emplace(option_name(*option.member), *option.member);
 }
 
 /// Those of all functions, by name.
@@ -119,9 +120,9 @@ std::string with_keywords(const std::string& text) {
     } else if (value.empty()) {
       said += name + (known->second.kind == Member::Kind::flag ? "=True" : "=");
     } else {
-      said += name + "=" + (value.find_first_not_of("0123456789.-") == std::string_view::npos
-                                ? std::string(value)
-                                : "'" + std::string(value) + "'");
+      said += name + "=" +
+              (value.find_first_not_of("0123456789.-") == std::string_view::npos ? std::string(value)
+                                                                                 : "'" + std::string(value) + "'");
       rest.remove_prefix(1 + value.size());
       if (rest.starts_with(" --")) said += ",";
     }

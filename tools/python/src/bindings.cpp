@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The module, and long work beside Python: other threads of Python run, Ctrl-C and other signals end it, a callback sees its progress.
+// The module, and long work beside Python: other threads of Python run, Ctrl-C and other signals end it, a callback
+// sees its progress.
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 
@@ -26,8 +27,8 @@ namespace {
 /// With errno Python chooses the class: FileNotFoundError, IsADirectoryError, PermissionError ...
 void raise_file_error(const FileError& error, const std::string& remedy) {
   if (error.system_error() == 0) return PyErr_SetString(PyExc_OSError, with_keywords(error.what()).c_str());
-  const py::object made = py::handle(PyExc_OSError)(error.system_error(), with_keywords(error.reason()) + remedy,
-                                                    error.path());
+  const py::object made =
+      py::handle(PyExc_OSError)(error.system_error(), with_keywords(error.reason()) + remedy, error.path());
   PyErr_SetObject(reinterpret_cast<PyObject*>(Py_TYPE(made.ptr())), made.ptr());
 }
 

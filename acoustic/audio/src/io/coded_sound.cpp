@@ -62,7 +62,8 @@ SoundInfo decode_coded(const std::filesystem::path&, const FileBytes& file, int,
     conclude(info, decoder.has_length(), samples.size() / info.n_channels, file.name());
     return info;
   } catch (const NotForLibsndfile& error) {
-    throw FileError(file.name(), "not readable as sound (" + error.reason() + "); choose another file, or record again");
+    throw FileError(file.name(),
+                    "not readable as sound (" + error.reason() + "); choose another file, or record again");
   }
 }
 

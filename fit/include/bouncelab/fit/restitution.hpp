@@ -78,7 +78,8 @@ struct Restitution {
 /// Nothing is clamped.
 /// @param onsets  ordered by recording, drop, time; finite, strictly increasing within a drop [s], and so are their
 ///                numbers `impact`: 0, 1, 2 ...
-/// @throws InvalidArgument where a member of `config` is out of the range that members_of states, a property of the ball
+/// @throws InvalidArgument where a member of `config` is out of the range that members_of states, a property of the
+/// ball
 ///         is not positive, times or numbers do not increase
 Restitution restitution_samples(const Onsets& onsets, const RestitutionConfig& config);
 
