@@ -109,7 +109,7 @@ TEST(FitAll, OutliersOfTheLawTouchNoOtherFit) {
 }
 
 TEST(FitAll, RefusesOptionsThatNobodyCouldType) {
-  const RestitutionSamples samples = restitution_samples(synthetic_onsets({}), {}).samples;
+  const RestitutionSamples samples = restitution_samples(synthetic_onsets(testing::SyntheticRun{}), {}).samples;
   const auto refused = [&](auto set) {
     FitConfig config;
     set(config);
