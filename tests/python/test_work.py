@@ -87,7 +87,7 @@ class CtrlC(Case):
         before = signal.signal(signal.SIGALRM, lambda *_: seen.append(time.perf_counter()))
         try:
             signal.setitimer(signal.ITIMER_REAL, 0.1)
-            bl.simulate(drops=200, impacts=60, asperities=100000, threads=1)
+            bl.simulate(drops=2000, impacts=60, asperities=100000, threads=1)
             end = time.perf_counter()
         finally:
             signal.signal(signal.SIGALRM, before)
@@ -100,7 +100,7 @@ class CtrlC(Case):
         try:
             timer = threading.Timer(0.2, signal.raise_signal, [signal.SIGINT])
             timer.start()
-            self.assertEqual(len(bl.simulate(drops=200, impacts=60, asperities=100000)), 12000)
+            self.assertEqual(len(bl.simulate(drops=2000, impacts=60, asperities=100000)), 120000)
             timer.join()
             self.assertEqual(seen, [1])
             self.assertEqual(len(small_impacts(bl, drops=1)), 30)

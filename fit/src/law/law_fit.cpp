@@ -110,7 +110,11 @@ LawFit fit_law(const RestitutionSamples& samples, const LawFitConfig& config) {
   constexpr std::size_t kMostScatterTerms = 10;
   FitConfig described;
   described.law = config;
+  described.law.node_speeds_mps.clear();  // those of fit_all go with the samples
   check_options(described);
+  for (const double v_mps : config.node_speeds_mps)
+    if (!(v_mps > 0.0 && std::isfinite(v_mps)))
+      throw InvalidArgument("nodes: " + short_number(v_mps) + " m/s must be finite and above 0");
   if (config.n_scatter_terms > kMostScatterTerms)
     throw InvalidArgument("n_scatter_terms: " + std::to_string(config.n_scatter_terms) + " must be from 0 to " +
                           std::to_string(kMostScatterTerms));

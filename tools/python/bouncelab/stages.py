@@ -172,8 +172,8 @@ def _file_of_groups(groups: Any) -> Iterator[str]:
         return
     if hasattr(groups, "to_dict") and hasattr(groups, "columns"):
         groups = groups.to_dict("list")
-    if not isinstance(groups, Mapping):
-        raise TypeError(f"{type(groups).__name__} given; groups is a table with the columns recording and plate, {{recording: plate}} "
+    if not isinstance(groups, Mapping) or ("recording" in groups and "plate" not in groups and "date" not in groups):
+        raise TypeError(f"{type(groups).__name__} given; groups is a table with columns recording and plate, {{recording: plate}} "
                         "or the name of a file")
     if "recording" not in groups:
         groups = {"recording": list(groups), "plate": list(groups.values())}

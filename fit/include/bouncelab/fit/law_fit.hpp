@@ -32,7 +32,7 @@ struct LawFitConfig {
   std::size_t n_scatter_terms = 0;
   std::size_t n_goodness = 0;  ///< replicates of the Anderson-Darling test, from 100 samples on, up to 1e5; 0: none
   std::uint64_t seed = 1;      ///< of the replicates
-  /// Speeds at which eps(v) is reported [m/s], 1e-6 to 1e3; empty: below which 10, 50 and 90 % of the speeds lie.
+  /// Speeds at which eps(v) is reported [m/s], > 0; empty: below which 10, 50 and 90 % of the speeds lie.
   std::vector<double> node_speeds_mps;
 };
 
