@@ -34,25 +34,22 @@ void note_some(NoteKind kind, const Names& names, std::size_t n_all, const std::
        formatted("%zu of the %zu recordings (", names.size(), n_all) + some + ") " + (names.size() == 1 ? one : more)});
 }
 
-/// Plates where there are two to four, else two to four recordings; otherwise none.
+/// The recordings by plate where each has its own, else by name, with their samples; none but of two to four.
 /// @param kept  usable samples of the recordings, in their order
-Groups groups_of(const ComparedRecordings& compared, const std::vector<RestitutionSamples>& kept) {
-  std::map<std::string, RestitutionSamples> plates;
-  Groups alone;
-  for (std::size_t k = 0; k < kept.size(); ++k) {
-    if (compared.between.rows[k].is_outlier) continue;
-    const fit::CampaignRecording& recording = compared.recordings[k];
-    alone.emplace_back(recording.summary.recording, kept[k]);
-    if (const std::string& plate = recording.origin.plate; !plate.empty())
-      plates[plate].insert(plates[plate].end(), alone.back().second.begin(), alone.back().second.end());
+Groups groups_of(const std::vector<fit::CampaignRecording>& recordings, const std::vector<RestitutionSamples>& kept) {
+  if (recordings.size() < 2 || recordings.size() > fit::kMostGroups) return {};
+  std::multiset<std::string> plates, files;
+  for (const fit::CampaignRecording& recording : recordings) {
+    plates.insert(recording.origin.plate);
+    files.insert(file_of(recording.summary.recording));
   }
-  std::set<std::string> file_names;
-  for (const auto& [name, samples] : alone) file_names.insert(file_of(name));
-  if (file_names.size() == alone.size())
-    for (auto& [name, samples] : alone) name = file_of(name);
-  const auto are_few = [](std::size_t n) { return n >= 2 && n <= fit::kMostGroups; };
-  if (are_few(plates.size())) return {plates.begin(), plates.end()};
-  return plates.empty() && are_few(alone.size()) ? alone : Groups{};
+  Groups groups;
+  for (std::size_t k = 0; k < kept.size(); ++k) {
+    const std::string &plate = recordings[k].origin.plate, &name = recordings[k].summary.recording;
+    const bool has_plate = !plate.empty() && plates.count(plate) == 1, has_file = files.count(file_of(name)) == 1;
+    groups.emplace_back(has_plate ? plate : has_file ? file_of(name) : name, kept[k]);
+  }
+  return groups;
 }
 
 }  // namespace
@@ -84,7 +81,7 @@ std::vector<fit::RecordingOrigin> origins_of(const Names& recordings, const Orig
 
 void Comparison::add(RestitutionSamples&& samples) {
   constexpr std::size_t kMost_samples = 100000;  // waiting: some 30 MB
-  constexpr std::size_t kMostKept = 100;         // of few plates; of more recordings the summaries say enough
+  constexpr std::size_t kMostKept = 100;         // recordings among which drops that are there twice are sought
   const bool is_named = !samples.empty() && samples.front().conditions.ball;
   const std::string recording = samples.empty() ? "" : samples.front().recording;
   (is_named ? of_named_balls_ : of_others_).push_back(recording);
@@ -138,9 +135,9 @@ ComparedRecordings Comparison::finish(const Origins& origins) {
   all.between = fit::compare_campaign(all.recordings);
   all.between.notes.insert(all.between.notes.end(), notes.begin(), notes.end());
   for (const RestitutionSamples& samples : kept_) all.kept.insert(all.kept.end(), samples.begin(), samples.end());
-  if (kept_.size() == all.recordings.size())
-    if (const Groups groups = groups_of(all, kept_); !groups.empty()) all.differences = fit::compare_groups(groups);
-  all.between.groups = fit::differing_groups(all.between, all.differences);
+  if (!all.between.differences)
+    if (const Groups groups = groups_of(all.recordings, kept_); !groups.empty())
+      all.between.differences = fit::compare_groups(groups);
   return all;
 }
 

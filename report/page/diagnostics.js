@@ -31,7 +31,7 @@ function drawDropSound(parent, drop) {
 /// Found less expected: what the law at this speed does not explain, asperities and timing together.
 function drawIntervals(parent, i) {
   const used = i.impact.map((_, k) => k).filter(k => known(i.expected_s[k]));
-  draw(parent, 'small', [{x: used.map(k => i.impact[k]), y: used.map(k => 1e6 * (i.found_s[k] - i.expected_s[k])), type: 'scatter', mode: 'markers', name: 'interval, with its timing error', marker: {size: 5, color: blue},
+  draw(parent, 'small', [{x: used.map(k => i.impact[k]), y: used.map(k => 1e6 * (i.found_s[k] - i.expected_s[k])), type: 'scatter', mode: 'markers', name: 'interval', bars: '± standard error of timing', marker: {size: 5, color: blue},
                           error_y: {type: 'data', array: used.map(k => known(i.sigma_s[k]) ? 1e6 * i.sigma_s[k] : 0), thickness: 1, width: 0, color: grey},
                           text: used.map(k => `found ${(1e3 * i.found_s[k]).toFixed(4)} ms, expected ${(1e3 * i.expected_s[k]).toFixed(4)} ms`), hovertemplate: 'after impact %{x}<br>%{text}<extra></extra>'}],
        {showlegend: false, margin: {l: 66, r: 8, t: 30, b: 42}, title: {text: 'intervals: found less expected', font: {size: 13}, x: 0.5, y: 0.97},

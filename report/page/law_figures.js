@@ -46,6 +46,15 @@ function beyondTraces(range) {
   return [...beyond(eps => eps > range[1], range[1], 'triangle-up', 'above'), ...beyond(eps => eps < range[0], range[0], 'triangle-down', 'below')];
 }
 
+/// ε of each plate or recording at its own speeds, where they differ; of more than six colours tell nothing.
+function ownTraces() {
+  const own = (fit.recordings || []).filter(r => (r.nodes || []).length);
+  return own.length > 6 ? [] : own.map((r, k) => ({x: r.nodes.map(n => n.v_mps), y: r.nodes.map(n => n.eps), mode: 'lines+markers', type: 'scatter', name: shownName(r.recording) || '(no name)', bars: '95 %',
+    error_y: {type: 'data', symmetric: false, array: r.nodes.map(n => n.ci95 ? n.ci95[1] - n.eps : null), arrayminus: r.nodes.map(n => n.ci95 ? n.eps - n.ci95[0] : null), thickness: 1.4, width: 4, color: ownColour(k)},
+    line: {color: ownColour(k), width: 1.6}, marker: {size: 8, color: ownColour(k), line: {color: 'white', width: 1}}, hovertemplate: 'v = %{x:.3f} m/s<br>ε = %{y:.5f}<extra></extra>'}));
+}
+const ownColour = k => [red, orange, green, ink, blue, grey][k];
+
 /// Figure 1 (top) of the paper: how often which eps was found at which speed, with the law.
 function drawLaw(parent) {
   const traces = few || (fit && fit.density && fit.density.counts.length) ? [samplesTrace()] : [];
@@ -59,7 +68,8 @@ function drawLaw(parent) {
     traces.push({x: summary.truth_curve.map(p => p.v_mps), y: summary.truth_curve.map(p => p.eps), mode: 'lines', type: 'scatter',
                  name: 'what went in', line: {color: ink, width: 1.6, dash: 'dash'},
                  hovertemplate: 'v = %{x:.3f}<br>truth %{y:.5f}<extra></extra>'});
-  const peaks = ((fit && fit.histograms) || []).filter(h => h.peak_eps && known(h.peak_eps.value));
+  if (fit && fit.is_one_ball === false) traces.push(...ownTraces());
+  const peaks = ((fit && fit.is_one_ball !== false && fit.histograms) || []).filter(h => h.peak_eps && known(h.peak_eps.value));
   if (!few && peaks.length)
     traces.push({x: peaks.map(h => h.v_mps), y: peaks.map(h => h.peak_eps.value), mode: 'markers', type: 'scatter', name: 'most frequent ε',
                  error_y: {type: 'data', array: peaks.map(h => h.peak_eps.se), thickness: 1.4, width: 3, color: orange},
@@ -72,7 +82,7 @@ function drawLaw(parent) {
 /// Does the law hold at every speed? Pulls of the location, and the width of the scatter, in bins of speed.
 function drawResiduals(parent, residuals) {
   const used = residuals.filter(r => known(r.pull));
-  const trace = (key, extra) => Object.assign({x: used.map(r => r.v_mps), y: used.map(r => r[key]), mode: 'markers', type: 'scatter', name: 'bin of speed, with its standard error',
+  const trace = (key, extra) => Object.assign({x: used.map(r => r.v_mps), y: used.map(r => r[key]), mode: 'markers', type: 'scatter', name: 'bin of speed',
                                                marker: {size: 7, color: blue}, text: used.map(r => r.n)}, extra);
   draw(parent, 'low', [trace('pull', {error_y: {type: 'constant', value: 1, thickness: 1, width: 0, color: grey},
                                       hovertemplate: 'v = %{x:.3f} m/s<br>pull %{y:.2f}<br>%{text} samples<extra></extra>'})],

@@ -10,7 +10,7 @@ function drawTransforms(parent, counts) {
   const outside = counts.map(count => Math.abs(count - expected) > half);
   const level = (y, dash) => ({type: 'line', xref: 'paper', x0: 0, x1: 1, y0: y, y1: y, line: {color: ink, width: 1, dash}});
   const low = Math.min(expected - half, ...counts.map(c => c - Math.sqrt(c))), high = Math.max(expected + half, ...counts.map(c => c + Math.sqrt(c))), margin = 0.06 * (high - low);
-  draw(parent, 'low', [{x: counts.map((_, k) => (k + 0.5) * share), y: counts, type: 'scatter', mode: 'markers', name: 'impacts in a twentieth, with the error of the count',
+  draw(parent, 'low', [{x: counts.map((_, k) => (k + 0.5) * share), y: counts, type: 'scatter', mode: 'markers', name: 'impacts in a twentieth',
                         error_y: {type: 'data', array: counts.map(Math.sqrt), thickness: 1, width: 0, color: grey},
                         marker: {size: 7, color: counts.map((_, k) => outside[k] ? red : blue)},
                         hovertemplate: '%{x:.3f}<br>%{y} impacts<extra></extra>'}],

@@ -48,8 +48,18 @@ function onScreen(show) {
   for (const node of [...page.children].slice(before)) node.classList.add('on-screen');
 }
 
+/// Of recordings, plates or drops that differ, figures of all together would be of no ball.
+const isOneBall = !fit || fit.is_one_ball !== false;
+
 function figuresOfFit() {
   if (!fit) return;
+  if (isOneBall) figuresOfOneBall();
+  else if ((fit.residuals || []).length) add('p', {class: 'caption'}, `What is drawn of one ball (residuals, distributions and slopes of p(ε), scatter, error budget, constants) is left out: these ${fit.recordings?.length > 1 ? nounOfRows + 's' : 'drops'} differ, and of all together it would belong to none. Fit each alone, or all as one with --pool.`);
+  if (wave && (wave.excerpts || []).length) excerptsSection();
+  if (data.diagnostics) diagnosticsSection(data.diagnostics);
+}
+
+function figuresOfOneBall() {
   if ((fit.residuals || []).length > 1)
     drawResiduals(figure('residuals', 'Does the law hold at every speed?', 'Of the law with its few constants, not of the curve. Above: mean residual (ε less the law) in bins of speed over its standard error, the pull; pulls scatter about 0 by about 1 where the law holds. Below: mean distance from the law over the one that the fit expects, with its standard error.' + (withMemory ? ' Of the fit that takes impacts as independent.' : '')), fit.residuals);
   const histograms = (fit && fit.histograms) || [], theory = summary && summary.theory;
@@ -76,18 +86,16 @@ function figuresOfFit() {
     drawBudget(figure('budget', 'What limits the result', `Where the variance of ε comes from; ${number(100 * randomShare, 1)}% not explained may be random error.${shiftsOf(budget).length ? ' Below: what drag and contact time would shift the curve by; they are taken out.' : ''}`), budget);
   }
   cornerOfConstants();
-  if (wave && (wave.excerpts || []).length) excerptsSection();
-  if (data.diagnostics) diagnosticsSection(data.diagnostics);
 }
 
 function tables() {
   truthTable();
-  curveTable();
-  constantsTable();
+  if (isOneBall) curveTable(), constantsTable();
   recordingsTable();
-  histogramTables();
+  if (isOneBall) histogramTables();
+  slopesOfRecordings();
   timingTable();
-  budgetTable();
+  if (isOneBall) budgetTable();
   handOff();
   doubtfulDrops();
 }

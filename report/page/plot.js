@@ -47,12 +47,18 @@ const optionUnits = {rate: 'Hz', 'noise-corner': 'Hz', 'max-mode': 'Hz', 'snr-db
 const optionWords = option => (option === 'snr-db' ? 'signal-to-noise ratio' : option.replace(/-/g, ' ')) + (optionUnits[option] ? ` (${optionUnits[option]})` : '');
 const speedAxis = extra => logAxis('normal impact speed v (m/s)', extra);
 
+/// Bars are one standard error, but for those of which a trace says otherwise; its name says which they are.
+function withBarsNamed(trace) {
+  const {bars = '± standard error', ...rest} = trace;
+  return bars && trace.name && trace.error_y && trace.error_y.visible !== false ? {...rest, name: `${trace.name}, ${bars}`} : rest;
+}
+
 // Drawn once the whole page stands: a plot takes the size that its place has by then.
 const plots = [];
 function draw(parent, kind, traces, plotLayout) {
   const node = element('div', {class: 'plot ' + kind});
   parent.append(node);
-  plots.push({node, kind, data: traces, layout: layout(plotLayout)});
+  plots.push({node, kind, data: traces.map(withBarsNamed), layout: layout(plotLayout)});
   return node;
 }
 function drawAll(dark) {
@@ -144,7 +150,7 @@ function csvOf(section) {
   const column = words => { if (!axes.includes(words)) axes.push(words); return axes.indexOf(words); };
   for (const {data, layout: shown} of plotsOf(section)) {
     const axisOf = (trace, which) => shown[(trace[which + 'axis'] || which).replace(/^(.)/, '$1axis')] || {}, words = (trace, which) => { const a = axisOf(trace, which); return plainText(a.words || a.title && a.title.text) || which; };
-    for (const trace of data) {
+    for (const trace of data.filter(({x}) => x.some(u => u !== null))) {
       const places = [column(words(trace, 'x')), column(words(trace, 'y'))];
       if (trace.z) places.push(column('bounces'));
       for (const [x, y, low, high, z] of pointsOf(trace)) {
@@ -154,8 +160,7 @@ function csvOf(section) {
       }
     }
   }
-  const cell = value => value === null || value === undefined ? '' : /[",\n]/.test(value) ? `"${String(value).replaceAll('"', '""')}"` : String(value);
-  return [['panel', 'series', ...axes, 'low', 'high'], ...rows.map(({of, cells, ends}) => [...of, ...axes.map((_, k) => cells[k]), ...ends])].map(row => row.map(cell).join(',') + '\n').join('');
+  return csvText([['panel', 'series', ...axes, 'low', 'high'], ...rows.map(({of, cells, ends}) => [...of, ...axes.map((_, k) => cells[k]), ...ends])]);
 }
 function saved(name, extension, type, content) {
   const link = element('a', {href: URL.createObjectURL(new Blob([content], {type})), download: `bouncelab-${name}.${extension}`});

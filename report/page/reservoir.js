@@ -15,7 +15,7 @@ function drawReservoir(parent, r) {
     {x: [low, top], y: [low, top], type: 'scatter', mode: 'lines', name: 'equal', line: {color: ink, width: 1.2, dash: 'dash'}, hoverinfo: 'skip'},
     {x, y: d.sound_m2ps2, type: 'scatter', mode: 'markers', name: 'drop', marker, text: what, hovertemplate: '%{text}<br>simulated %{x:.4g}<br>sound %{y:.4g} m²/s²<extra></extra>'}],
     {showlegend: false, xaxis: axis('twice the energy per mass gained,<br>simulated (m²/s²)', {range: [low, top], nticks: 6}), yaxis: axis('twice the energy per mass gained,<br>from sound (m²/s²)', {range: [low, top], nticks: 6})});
-  const traces = [{x, y: difference, type: 'scatter', mode: 'markers', name: 'drop, with its own standard error', marker, text: what, error_y: {type: 'data', array: d.own_se_m2ps2, thickness: 1, width: 0, color: grey},
+  const traces = [{x, y: difference, type: 'scatter', mode: 'markers', name: 'drop', marker, text: what, error_y: {type: 'data', array: d.own_se_m2ps2, thickness: 1, width: 0, color: grey},
                    hovertemplate: '%{text}<br>sound less simulated %{y:.3g} m²/s²<extra></extra>'}];
   if (known(r.expected_law_m2ps2)) {
     const order = x.map((_, k) => k).sort((a, b) => x[a] - x[b]), law = order.map(k => 1.96 * d.law_se_m2ps2[k]), along = order.map(k => x[k]);

@@ -12,7 +12,7 @@ function drawHistogram(parent, h) {
   const x = centres(h.bins.eps_edges);
   const used = x.map((_, k) => k).filter(k => h.bins.counts[k] > 0);
   const traces = [{
-    x: used.map(k => x[k]), y: used.map(k => h.bins.counts[k] / unit), type: 'scatter', mode: 'markers', name: 'bounces, with Poisson errors',
+    x: used.map(k => x[k]), y: used.map(k => h.bins.counts[k] / unit), type: 'scatter', mode: 'markers', name: 'bounces', bars: '± Poisson standard error',
     error_y: {type: 'data', array: used.map(k => Math.sqrt(h.bins.counts[k]) / unit), thickness: 1, width: 0, color: grey},
     marker: {size: 4.5, color: blue}, text: used.map(k => h.bins.counts[k]), hovertemplate: 'ε = %{x:.4f}<br>%{text} samples<extra></extra>',
   }];
@@ -51,7 +51,7 @@ function slopesWithoutSound() {
 function drawSlopes(parent, histograms, theory) {
   const used = histograms.filter(h => h.slope_rising && h.slope_falling && h.slope_ratio);
   const v = used.map(h => h.v_mps);
-  const trace = (key, name, color) => ({x: v, y: used.map(h => h[key].value), mode: 'markers', type: 'scatter', name, marker: {size: 7, color},
+  const trace = (key, name, color) => ({x: v, y: used.map(h => h[key].value), mode: 'markers', type: 'scatter', name, bars: '95 %', marker: {size: 7, color},
                                         error_y: errorsOf(used.map(h => h[key]), color), hovertemplate: `%{x} m/s<br>${name} %{y:.4g}<extra></extra>`});
   const expected = (theory && theory.slopes) || [], other = theory ? slopesWithoutSound() : [];
   const line = (side, color) => ({x: expected.map(s => s.v_mps), y: expected.map(s => s[side]), mode: 'lines', type: 'scatter', name: `${side}, theory`, line: {color, width: 1.6},

@@ -11,7 +11,7 @@ function drawSwept(parent, sweep, title, key, extra) {
     groups.get(name).push(point);
   }
   const traces = [...groups].map(([name, points], k) => ({
-    x: points.map(p => numeric ? Number(p.settings[along]) : p.settings[along]), y: points.map(p => p.values[key]), name: name || title, type: 'scatter', mode: 'lines+markers',
+    x: points.map(p => numeric ? Number(p.settings[along]) : p.settings[along]), y: points.map(p => p.values[key]), name: name || title, type: 'scatter', mode: 'lines+markers', bars: '',
     error_y: {type: 'data', array: points.map(p => p.values['se_' + key] ?? 0), thickness: 1.2, width: 3}, line: {color: windowColours[(2 * k + 1) % windowColours.length], width: 1.6}, marker: {size: 7}}));
   draw(parent, 'small', traces, {showlegend: groups.size > 1, margin: {l: 64, r: 10, t: 16, b: groups.size > 1 ? 90 : 46},
                                  legend: {orientation: 'h', y: -0.22, yanchor: 'top', x: 0, font: {size: 10}},
@@ -37,7 +37,7 @@ function sweepSection(sweep) {
             .map(t => element('td', {}, t)));
       }))));
   add('p', {class: 'caption'}, '“What fails” compares the times detected with the true times of the same drops: 99% of the impacts found and 99% of the found ones true, ε(v) moved by less than its standard error, slopes by less than a tenth.');
-  const parent = figure('sweep', 'The same as pictures', `Against ${options.at(-1).replace(/-/g, ' ')}; a line for each combination of the other lists.`);
+  const parent = figure('sweep', 'The same as pictures', `Against ${options.at(-1).replace(/-/g, ' ')}; a line for each combination of the other lists. Bars: standard errors.`);
   parent.classList.add('grid', 'wide');
   drawSwept(parent, sweep, 'share of impacts found', 'recall_1ms', {});
   drawSwept(parent, sweep, 'rms error of the times within drops (s)', 'within_drops_s', {type: 'log', exponentformat: 'power'});

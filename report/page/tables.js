@@ -25,7 +25,7 @@ function truthTable() {
 /// ε(v) at a few speeds; mean and peak where they differ from the root mean square by more than its error.
 function curveTable() {
   const curve = fit && fit.curve;
-  if (!curve || fit.is_one_ball === false) return;
+  if (!curve) return;
   const others = ['mean', 'peak'].filter(name => curve.nodes.some(n => known(n[name]) && Math.abs(n[name] - n.eps) > n.se));
   const scatter = [`Standard deviation of ε from bounce to bounce at the median speed: ${number(curve.scatter, 2)}`,
                    ...(known(curve.scatter_of_drops) ? [`of what the bounces of one drop share: ${number(curve.scatter_of_drops, 2)}`] : [])];
@@ -91,13 +91,16 @@ function histogramTables() {
         used.map(h => [speed(h.v_mps), number(h.n), `${h.bins.underflow} / ${h.bins.overflow}`, estimated(h.peak_eps), estimated(h.slope_rising), estimated(h.slope_falling),
                        `${number(h.slope_ratio.value, 3)} (${interval(h.slope_ratio.ci95)})`, p(h)]),
         'Two exponentials, unbinned, timing noise taken out, the law’s drift inside the window taken out; intervals by profile likelihood. Below / above: samples outside the bins of the picture.');
-  foldedTable(`p(ε) of each ${nounOfRows}`, [nounOfRows, 'window', 'n', 'peak ε', 'rising slope', 'falling slope', 'falling / rising (95%)'],
-        ((fit && fit.recordings) || []).flatMap(r => (r.slopes || []).map(h => [shownName(r.recording) || '(no name)', speed(h.v_mps), number(h.n), ...[h.peak_eps, h.slope_rising, h.slope_falling].map(estimated),
-                                                                           `${number(h.slope_ratio.value, 3)} (${interval(h.slope_ratio.ci95)})`])),
-        `As above, of the samples of each ${nounOfRows} about its own law.`);
   foldedTable('Two exponentials or a normal?', ['window', 'ΔAIC', 'p two exponentials', 'p normal'],
         used.filter(h => h.normal).map(h => [speed(h.v_mps), number(Math.round(10 * h.normal.delta_aic) / 10, 6), p(h), p(h.normal)]),
         'AIC of the normal less that of the two exponentials of the same samples, both with the timing errors: positive speaks for the two exponentials. p: of χ².');
+}
+
+function slopesOfRecordings() {
+  foldedTable(`p(ε) of each ${nounOfRows}`, [nounOfRows, 'window', 'n', 'peak ε', 'rising slope', 'falling slope', 'falling / rising (95%)'],
+        ((fit && fit.recordings) || []).flatMap(r => (r.slopes || []).map(h => [shownName(r.recording) || '(no name)', speed(h.v_mps), number(h.n), ...[h.peak_eps, h.slope_rising, h.slope_falling].map(estimated),
+                                                                           `${number(h.slope_ratio.value, 3)} (${interval(h.slope_ratio.ci95)})`])),
+        `Two exponentials, as of one ball, of the samples of each ${nounOfRows} about its own law.`);
 }
 
 function timingTable() {

@@ -55,6 +55,14 @@ function interval(range) {
   const decimals = Math.min(12, Math.max(0, 2 - Math.floor(Math.log10(Math.max(range[1] - range[0], 1e-12)))));
   return `${range[0].toFixed(decimals)} … ${range[1].toFixed(decimals)}`;
 }
+/// Rows of cells as CSV; what is not known is empty, and a name that begins as a formula has an apostrophe, so that a
+/// spreadsheet does not compute it.
+function csvText(rows) {
+  const plain = value => value === null || value === undefined ? '' : typeof value === 'string' && /^[=+@-]/.test(value) ? `'${value}` : String(value);
+  const cell = value => /[",\n\r]/.test(plain(value)) ? `"${plain(value).replaceAll('"', '""')}"` : plain(value);
+  return rows.map(row => row.map(cell).join(',') + '\n').join('');
+}
+
 /// Points of ε(v), the root mean square over bounces; none where recordings or drops differ.
 const answerCurve = fit => !fit || fit.is_one_ball === false ? [] : fit.curve?.points ?? [];
 const speed = v => `${number(v, 3)} m/s`;

@@ -29,27 +29,24 @@ Object row_of(const CampaignRecording& recording, const Object& more) {
 
 }  // namespace
 
-Object object_of(const BetweenRecordings& between, const std::vector<CampaignRecording>& recordings,
-                 const std::optional<GroupDifferences>& differences) {
+Object object_of(const BetweenRecordings& between, const std::vector<CampaignRecording>& recordings) {
   Object all{{"status", to_string(between.status)},
              {"message", between.why ? in_words(*between.why) : std::string()},
-             {"answer", value_of(in_words(between, recordings, differences))}};
+             {"answer", value_of(in_words(between, recordings))}};
   all.emplace_back("notes", values_of(between.notes));
   append(all, bouncelab::object_of(between));
-  all.emplace_back("differences", value_of(differences));
   Values outliers, not_used;
   for (std::size_t k = 0; k < recordings.size(); ++k) {
     const RecordingRow& row = between.rows[k];
-    const RecordingSummary& summary = recordings[k].summary;
     if (row.is_outlier)
       outliers.push_back(row_of(recordings[k], {{"eps", row.eps},
                                                 {"se", row.se},
                                                 {"offset", row.offset},
                                                 {"standardised", row.standardised},
                                                 {"p_value", row.p_value}}));
-    if (summary.status != FitStatus::ok)
-      not_used.push_back(row_of(recordings[k], {{"status", to_string(summary.status)},
-                                                {"message", summary.why ? in_words(*summary.why) : std::string()}}));
+    if (row.why_not)
+      not_used.push_back(row_of(
+          recordings[k], {{"status", to_string(recordings[k].summary.status)}, {"message", in_words(*row.why_not)}}));
   }
   all.emplace_back("outliers", std::move(outliers));
   all.emplace_back("not_used", std::move(not_used));
@@ -60,7 +57,7 @@ std::string points_json(const BetweenRecordings& between, const std::vector<Camp
                         std::size_t most) {
   std::vector<std::size_t> used;
   for (std::size_t k = 0; k < recordings.size(); ++k)
-    if (between.rows[k].is_used) used.push_back(k);
+    if (!between.rows[k].why_not) used.push_back(k);
   const bool by_date = between.drift && between.drift->by_date;
   const auto time = [&](std::size_t k) {
     const auto& date = recordings[k].origin.date;
@@ -95,8 +92,6 @@ std::string points_json(const BetweenRecordings& between, const std::vector<Camp
 namespace {
 
 constexpr double kUnlikely = 0.05;
-/// That the errors of 40 samples are estimates makes 1.06 of chi2/ndf, which thousands of recordings resolve.
-constexpr double kMoreThanErrorsOfErrors = 1.2;
 
 std::string n_recordings(std::size_t n) { return std::to_string(n) + (n == 1 ? " recording" : " recordings"); }
 
@@ -124,7 +119,7 @@ std::string interval_known(const Estimate& e) {
 /// "glass: ε = 0.98000 ± 0.00013 at 0.6 m/s; one more recording would have 0.9792 to 0.9808 (95 %)."
 std::string eps_in_words(const std::string& of, const Estimate& eps, double v_mps, const std::string& over,
                          const std::optional<Interval>& next, const char* one) {
-  return of + formatted("ε = %s at %.2g m/s", fit::in_words(eps.value, eps.se).c_str(), v_mps) + over +
+  return of + formatted("ε = %s at %.3g m/s", fit::in_words(eps.value, eps.se).c_str(), v_mps) + over +
          (!next ? "."
           : next->hi - next->lo < 1.0
               ? formatted("; one more %s would have %.5f to %.5f (95 %%).", one, next->lo, next->hi)
@@ -152,12 +147,15 @@ std::vector<std::string> of_groups(std::vector<GroupRestitution> groups, const c
 std::string p_in_words(double p) { return p < 0.0001 ? "p < 0.0001" : formatted("p = %.2g", p); }
 
 std::string of_drift(const BetweenRecordings& between) {
-  if (!between.drift) return "A drift cannot be seen: all recordings have the same date.";
+  constexpr const char* kTooFew = "Whether ε drifts is not known: there are too few recordings.";
+  if (std::any_of(between.notes.begin(), between.notes.end(),
+                  [](const Note& note) { return note.kind == NoteKind::one_date; }))
+    return "A drift cannot be seen: all recordings have the same date.";
+  if (!between.drift) return kTooFew;
   const Drift& drift = *between.drift;
   const std::string unit = drift.by_date ? "day" : "recording";
   const double length = drift.end - drift.begin;
-  if (!(drift.slope.se.value_or(0.0) * length < kMostDeviation))
-    return "Whether ε drifts is not known: there are too few recordings.";
+  if (!(drift.slope.se.value_or(0.0) * length < kMostDeviation)) return kTooFew;
   const std::string slope = formatted(
       "%s a %s, %+.2g over %.*f %ss; %s", fit::in_words(drift.slope.value, drift.slope.se).c_str(), unit.c_str(),
       drift.slope.value * length, length < 10.0 ? 1 : 0, length, unit.c_str(), p_in_words(drift.p_value).c_str());
@@ -174,10 +172,10 @@ std::string of_outliers(const BetweenRecordings& between, const std::vector<Camp
   std::stable_sort(outliers.begin(), outliers.end(), [&](std::size_t a, std::size_t b) {
     return std::abs(between.rows[a].standardised) > std::abs(between.rows[b].standardised);
   });
-  if (outliers.empty()) return "No recording differs from the others by more than chance.";
-  std::string text = n_recordings(outliers.size()) + (outliers.size() == 1 ? " differs" : " differ") +
-                     " from the others by more than chance and " + (outliers.size() == 1 ? "is" : "are") +
-                     " left out of the pooled law: ";
+  if (outliers.empty()) return "No recording stands out from the others by more than chance.";
+  std::string text = n_recordings(outliers.size()) + (outliers.size() == 1 ? " stands" : " stand") +
+                     " out from the others by more than chance and " + (outliers.size() == 1 ? "is" : "are") +
+                     " left out of ε: ";
   for (std::size_t k = 0; k < std::min(outliers.size(), kMostNamed); ++k) {
     const RecordingRow& row = between.rows[outliers[k]];
     text += (k > 0 ? ", " : "") + printable(recordings[outliers[k]].summary.recording) +
@@ -187,62 +185,58 @@ std::string of_outliers(const BetweenRecordings& between, const std::vector<Camp
   return text + ".";
 }
 
-/// "on average, from 0.018 at 0.2 m/s to 0.030 at 1 m/s" where a difference changes with the speed; where it is not
-/// seen to, "as one constant for all speeds, 0.024 ± 0.002 at 0.5 m/s alone".
-std::string with_the_speed(const std::vector<NodeEstimate>& nodes, double sign) {
-  if (nodes.size() < 2) return "";
-  const NodeEstimate &slow = nodes.front(), &fast = nodes.back();
-  const double se = std::hypot(slow.eps.se.value_or(0.0), fast.eps.se.value_or(0.0));
-  if (std::abs(fast.eps.value - slow.eps.value) < 2.0 * se) {
-    const NodeEstimate& middle = nodes[nodes.size() / 2];
-    return " as one constant for all speeds, " + fit::in_words(sign * middle.eps.value, middle.eps.se) +
-           formatted(" at %.2g m/s alone", middle.v_mps);
-  }
-  return formatted(" on average, from %.2g at %.2g m/s to %.2g at %.2g m/s", sign * slow.eps.value, slow.v_mps,
-                   sign * fast.eps.value, fast.v_mps);
+/// " at 0.5 m/s", and where there are more speeds the ends: ", 0.018 at 0.2 m/s and 0.030 at 1 m/s".
+std::string at_the_speeds(const GroupDifference& row, double sign) {
+  std::string text = formatted(" at %.3g m/s", row.v_mps);
+  if (row.nodes.size() < 3) return text;
+  for (const auto& [joint, node] : {std::pair{", ", &row.nodes.front()}, {" and ", &row.nodes.back()}})
+    text += joint + formatted("%.2g at %.3g m/s", sign * node->eps.value, node->v_mps);
+  return text;
 }
 
-/// "glass and wood differ by more than drops of one plate do: ..."
-std::string of_difference(const GroupDifference& row, GroupUnit unit, bool are_plates) {
+/// "glass and wood differ by more than drops of one plate do.", by what, and what could have been seen
+std::vector<std::string> of_difference(const GroupDifference& row, GroupUnit unit, bool are_plates) {
   const std::string &a = row.reference, &b = row.group;
-  const bool is_greater = row.offset.value > 0.0;
-  Estimate size = row.offset;
+  const bool is_greater = row.eps.value > 0.0;
+  Estimate size = row.eps;
   size.value = std::abs(size.value);
-  if (!is_greater) size.ci95 = {-row.offset.ci95->hi, -row.offset.ci95->lo};
+  if (!is_greater) size.ci95 = {-row.eps.ci95->hi, -row.eps.ci95->lo};
   const std::string higher = "ε of " + printable(is_greater ? b : a) + " is " + fit::in_words(size.value, size.se) +
                              " (" + interval_known(size) + ") above that of " + printable(is_greater ? a : b) +
-                             with_the_speed(row.nodes, is_greater ? 1.0 : -1.0);
+                             at_the_speeds(row, is_greater ? 1.0 : -1.0);
   const std::string of_one = std::string(to_string(unit)) + (are_plates ? " of one plate" : " of one recording");
   if (!row.p_value)
-    return higher + ". Whether " + of_one +
-           " differ as much is not known: there is one each; drop the ball several "
-           "times on each.";
-  if (*row.p_value < kUnlikely)
-    return printable(a) + " and " + printable(b) + " differ by more than " + of_one + " do (" +
-           p_in_words(*row.p_value) + "): " + higher + ".";
-  return "It is not seen that " + printable(a) + " and " + printable(b) + " differ by more than " + of_one + " do (" +
-         p_in_words(*row.p_value) + "): " + higher +
-         (row.detectable < 1.0
-              ? formatted("; a difference of %.2g would be seen in four of five such experiments.", row.detectable)
-              : "; no difference could be seen by so few drops: drop the ball more often on each.");
+    return {higher + ".", "Whether " + of_one +
+                              " differ as much is not known: there is one each; drop the ball several "
+                              "times on each."};
+  const std::string differ = printable(a) + " and " + printable(b) + " differ by more than " + of_one + " do (" +
+                             p_in_words(*row.p_value) + ").";
+  if (*row.p_value < kUnlikely) return {differ, higher + "."};
+  return {"It is not seen that " + differ,
+          higher +
+              (row.detectable < 1.0
+                   ? formatted("; a difference of %.2g would be seen in four of five such experiments.", row.detectable)
+                   : "; no difference could be seen by so few drops: drop the ball more often on each.")};
 }
 
 }  // namespace
 
-std::vector<std::string> in_words(const BetweenRecordings& between, const std::vector<CampaignRecording>& recordings,
-                                  const std::optional<GroupDifferences>& differences) {
+std::vector<std::string> in_words(const BetweenRecordings& between, const std::vector<CampaignRecording>& recordings) {
   std::vector<std::string> sentences;
+  const auto& differences = between.differences;
   const char* const one = differences && differences->unit == GroupUnit::drops ? "drop" : "recording";
   if (differences) {
     const bool are_plates = std::any_of(recordings.begin(), recordings.end(),
                                         [](const CampaignRecording& r) { return !r.origin.plate.empty(); });
     for (const GroupDifference& row : differences->rows)
-      sentences.push_back(of_difference(row, differences->unit, are_plates));
+      for (std::string& sentence : of_difference(row, differences->unit, are_plates))
+        sentences.push_back(std::move(sentence));
     if (differences->why) sentences.push_back("No difference is stated: " + in_words(*differences->why) + ".");
   }
-  for (std::string& sentence : of_groups(between.groups, one)) sentences.push_back(std::move(sentence));
+  if (between.groups_differ())
+    for (std::string& sentence : of_groups(differences->groups, one)) sentences.push_back(std::move(sentence));
   if (between.status != FitStatus::ok) return sentences.empty() ? std::vector{as_sentence(*between.why)} : sentences;
-  if (between.groups.empty())
+  if (!between.groups_differ())
     sentences.push_back(eps_in_words("", between.eps, between.v_mps,
                                      " over " + n_recordings(between.n_used - between.n_outliers), between.prediction95,
                                      "recording"));
@@ -251,12 +245,6 @@ std::vector<std::string> in_words(const BetweenRecordings& between, const std::v
   sentences.push_back(of_outliers(between, recordings));
   for (const auto& [grouping, name] : {std::pair{&between.plates, "plate"}, {&between.days, "day"}})
     if (grouping->deviation) sentences.push_back(of_deviation(*grouping->deviation, name, ""));
-  if (between.shapes.ndf > 0.0 && between.shapes.p_value < 0.001 &&
-      between.shapes.chi2 > kMoreThanErrorsOfErrors * between.shapes.ndf)
-    sentences.push_back(
-        formatted("The recordings also differ in how ε depends on the speed (χ²/ndf = %.3g/%.0f); the errors of "
-                  "the law include this.",
-                  between.shapes.chi2, between.shapes.ndf));
   if (between.n_used < between.n_recordings)
     sentences.push_back(n_recordings(between.n_recordings - between.n_used) +
                         " could not be used; the table says why.");

@@ -151,14 +151,13 @@ constexpr Wording kWordings[]{
      "the drops differ by more than the scatter of their impacts explains (p = {0:.2g})"},
     {Kind::memory_unlikelier, detail, "a model of independent impacts is more likely than the memory of a rough ball"},
     {Kind::too_few_recordings, detail,
-     "{0} of {1} {1|recording has|recordings have} enough samples for a law; a common law needs {2} such "
-     "recordings, a comparison needs 2"},
-    {Kind::undetermined_campaign, detail, "{0} recordings are too few to determine law, drift and plates together"},
-    {Kind::law_of_two_constants, detail, "the speeds determine only two constants of the law, A2 and A4"},
-    {Kind::one_speed_of_all, detail, "all speeds are near {0:.3g} m/s: one ε is fitted to all of them"},
-    {Kind::plates_not_in_law, detail,
+     "{0} of {1} {1|recording has|recordings have} enough samples at a common speed; ε of all needs {2} "
+     "such recordings, a comparison needs 2"},
+    {Kind::speed_not_reached, detail,
+     "its bounces are of {1:.3g} to {2:.3g} m/s; the recordings are compared at {0:.3g} m/s"},
+    {Kind::plates_not_in_model, detail,
      "{0} plates in {1} recordings: too few recordings of each plate to tell plates from recordings; the "
-     "pooled law ignores the plates"},
+     "plates are taken together"},
     {Kind::plates_are_days, detail,
      "each plate has a day of its own, so plates and days cannot be told apart; measure several plates on one "
      "day"},
@@ -173,14 +172,9 @@ constexpr Wording kWordings[]{
     {Kind::no_row, warning, "{s}"},
     {Kind::group_too_small, detail, "{s} has {0} usable {0|sample|samples}: at least {1} are needed"},
     {Kind::no_common_speeds, detail,
-     "the groups have no common speeds: one ends at {0:.2g} m/s, another begins at {1:.2g} m/s; drop from the "
+     "the recordings have no common speeds: one ends at {0:.2g} m/s, another begins at {1:.2g} m/s; drop from the "
      "same heights"},
-    {Kind::group_few_at_common, detail,
-     "{s} has only {0} {0|sample|samples} at the common speeds, {1:.2g} to {2:.2g} m/s"},
-    {Kind::group_without_law, detail, "no law could be fitted to {s}"},
-    {Kind::no_error_of_law, detail, "the law of this recording has no standard error"},
-    {Kind::errors_tied, detail,
-     "the values of this recording at different speeds have errors that cannot be separated"},
+    {Kind::no_error_of_law, detail, "ε of this recording has no standard error"},
     {Kind::detector_failed, warning, "{s}"}};
 
 const Wording& wording_of(NoteKind kind) {
@@ -229,19 +223,24 @@ std::string pattern_of(NoteKind kind) {
   });
 }
 
+/// With the recording before it, where it does not begin with that.
+static std::string with_recording(const Note& note, const std::string& text) {
+  const std::string name = note.recording + ": ";
+  return note.recording.empty() || text.starts_with(name) ? text : name + text;
+}
+
 std::string as_sentence(const Note& note) {
   std::string text = in_words(note);
   const bool begins_with_file = text.substr(0, text.find_first_of(" :")).find('.') != std::string::npos;
   if (!begins_with_file) text.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(text.front())));
   if (text.back() != '.' && text.back() != '?') text += '.';
-  return note.recording.empty() ? text : note.recording + ": " + text;
+  return with_recording(note, text);
 }
 
 std::vector<std::string> texts_of(const std::vector<Note>& notes, std::optional<Severity> severity) {
   std::vector<std::string> texts;
   for (const Note& note : notes)
-    if (!severity || severity_of(note.kind) == *severity)
-      texts.push_back((note.recording.empty() ? "" : note.recording + ": ") + in_words(note));
+    if (!severity || severity_of(note.kind) == *severity) texts.push_back(with_recording(note, in_words(note)));
   return texts;
 }
 

@@ -266,6 +266,26 @@ std::string of_rebound(const Rebound& rebound) {
                        : "not within.");
 }
 
+/// Does the ball that is named keep more than the best of its sport? They lose more the faster they are, and on any
+/// other floor: only the least speed of the rule's test counts. Of quadratic drag k: v^2 = g (1 - exp(-2 k h))/k down
+/// from h, u^2 = g (exp(2 k h) - 1)/k up to h.
+std::string above_rule(const SpeedAndRestitution& at, const Curve& curve, const SampleConditions& conditions) {
+  const ReboundRule* rule = conditions.ball ? rebound_rule(*conditions.ball) : nullptr;
+  if (!rule || curve.rebound || !at.eps.ci95) return "";
+  const double v_mps = std::sqrt(2.0 * conditions.gravity_mps2.value_or(kDefaultGravity_mps2) * rule->height_m);
+  const double twice_k = curve.kappa_per_m ? 2.0 * curve.kappa_per_m->value : 0.0;
+  const double greatest = twice_k > 0.0
+                              ? std::sqrt(std::expm1(twice_k * rule->most_m) / -std::expm1(-twice_k * rule->height_m))
+                              : std::sqrt(rule->most_m / rule->height_m);
+  if (at.v_mps < v_mps || at.eps.ci95->lo <= greatest) return "";
+  return "ε is above what the rule (" + rule->by + ") allows of such a ball, " + two_digits(greatest) + " at " +
+         formatted("%.2g m/s", v_mps) + " on " + rule->floor + ". Is it another ball, or a " +
+         (conditions.of_heights     ? "height"
+          : conditions.of_flights() ? "time"
+                                    : "speed") +
+         " that is wrong?";
+}
+
 /// Nothing fitted: what there is, and what is missing.
 std::string of_missing(const FitResult& result, const RestitutionSamples& samples) {
   std::vector<double> eps;
@@ -338,13 +358,15 @@ PlainAnswer plain_answer(const FitResult& result, const RestitutionSamples& samp
         if (is_seen(fastest ? curve.end_changes.back() : curve.end_changes.front()) && !curve.step)
           answer.elsewhere.push_back(at(end.x, eps));
       }
-    answer.sentences.push_back(
-        of_value(answer, curve, samples.empty() ? SampleConditions{} : samples.front().conditions));
+    const SampleConditions conditions = samples.empty() ? SampleConditions{} : samples.front().conditions;
+    answer.sentences.push_back(of_value(answer, curve, conditions));
     if (curve.step) answer.sentences.push_back(of_step(*curve.step, decimals_for(answer.at->eps)));
     if (answer.at->eps.value > 0.0 && answer.at->eps.value < 1.0)
       answer.sentences.push_back(percent_lost(*answer.at) +
                                  " % of the energy of its motion up and down is lost in each bounce at that speed.");
     if (curve.rebound) answer.sentences.push_back(of_rebound(*curve.rebound));
+    if (std::string above = above_rule(*answer.at, curve, conditions); !above.empty())
+      answer.sentences.push_back(std::move(above));
     if (std::string other = contradicted(curve); !other.empty()) answer.sentences.push_back(std::move(other));
   } else {
     answer.sentences.push_back(

@@ -69,8 +69,14 @@ TEST_F(CompareCommand, FindsDriftPlateAndBadRecording) {
   holds(c["drift"]["slope"]["ci95"], kDrift_per_day);
   EXPECT_LT(c["drift"]["p_value"].number(), 1e-3);
   EXPECT_EQ(c["drift"]["per"], "day");
-  // of the mean of the plates, in the middle of the campaign
-  holds(c["eps"]["ci95"], restitution(SeriesLaw{}, c["v_mps"].number()) + kPlate / 3.0);
+  // the second plate differs: each has its own eps, in the middle of the campaign; the mean of two exponentials is off
+  // their peak by the difference of their scales
+  EXPECT_TRUE(c["eps"].is_null());
+  for (std::size_t p = 0; p < kPlates; ++p) {
+    const auto& plate = c["differences"]["groups"][p];
+    const double v_mps = plate["v_mps"].number();
+    holds(plate["eps"]["ci95"], restitution(SeriesLaw{}, v_mps) - 1e-4 / v_mps + (p == 1 ? kPlate : 0.0));
+  }
   ASSERT_EQ(c["outliers"].size(), 1u);
   EXPECT_EQ(c["outliers"][0]["recording"], name_of(kBad));
   EXPECT_EQ(c["plates"]["effect"], "fixed");
@@ -116,16 +122,16 @@ TEST_F(CompareCommand, OfPlatesThatDifferEachHasItsOwnEpsAndOfThoseThatAgreeAllH
     const std::string table = content("o/comparison.csv");
     const std::string first = table.substr(table.find("r0,glass"), table.find("\nr1,wood") - table.find("r0,glass"));
     if (wood == 0.0) {
-      EXPECT_EQ(c["groups"].size(), 0u);
-      EXPECT_TRUE(c["eps"].contains("value") && c["law"].contains("curve"));
+      EXPECT_EQ(c["differences"]["differ"], false);
+      EXPECT_TRUE(c["eps"].contains("value") && c["nodes"].size() > 4u);
       EXPECT_THAT(result.out, testing::HasSubstr("\nε = 0.9"));
       EXPECT_THAT(first, testing::HasSubstr(",,,,,0,"));
       continue;
     }
-    EXPECT_TRUE(c["eps"].is_null() && c["prediction95"].is_null() && c["law"].is_null());
-    ASSERT_EQ(c["groups"].size(), 2u);
+    EXPECT_TRUE(c["eps"].is_null() && c["prediction95"].is_null() && c["nodes"].is_null());
+    ASSERT_EQ(c["differences"]["groups"].size(), 2u);
     for (std::size_t g = 0; g < 2; ++g) {
-      const auto& group = c["groups"][g];
+      const auto& group = c["differences"]["groups"][g];
       EXPECT_EQ(group["name"], g == 0 ? "glass" : "wood");
       EXPECT_EQ(group["n"], 8);
       const double truth = restitution(SeriesLaw{}, group["v_mps"].number()) + (g == 0 ? 0.0 : wood);
@@ -164,10 +170,9 @@ TEST_F(CompareCommand, TwoSoundsOnTwoPlatesAreAnalysedAndToldApartIfTheyHaveSeve
   EXPECT_EQ(d["unit"], "drops");
   EXPECT_EQ(d["ndf"], 4.0);
   const auto& row = d["rows"][0];
-  EXPECT_NEAR(row["offset"]["value"].number(), -0.1, 2e-3);  // drops differ by 1e-3
+  EXPECT_NEAR(row["eps"]["value"].number(), -0.1, 2e-3);  // drops differ by 1e-3
   EXPECT_LT(row["p_value"].number(), 1e-4);
-  EXPECT_EQ(row["nodes"].size(), 3u);
-  EXPECT_TRUE(row.contains("A2") && row.contains("A5"));
+  EXPECT_GE(row["nodes"].size(), 3u);
   EXPECT_THAT(content("o/report.html"), testing::HasSubstr("differ by more than drops"));
   write("cut.wav", "RIFF");
   EXPECT_EQ(run("compare glass.wav wood.wav cut.wav --out cut").exit_code, 3);
@@ -189,8 +194,8 @@ TEST_F(CompareCommand, NamesRowsWithoutARecordingAndRecordingsWithoutARow) {
   EXPECT_THAT(result.err, testing::HasSubstr("1 of the 3 recordings ('lost.wav') of g.csv has no samples"));
   EXPECT_THAT(result.err, testing::HasSubstr("1 of the 3 recordings ('other.wav') has no row in g.csv"));
   const auto row = comparison()["differences"]["rows"][0];
-  EXPECT_EQ(row["reference"], "table");
-  EXPECT_EQ(row["group"], "window");
+  EXPECT_EQ(row["reference"], "window");  // in the order of the recordings
+  EXPECT_EQ(row["group"], "table");
 }
 
 TEST_F(CompareCommand, BadInputGetsOneLine) {

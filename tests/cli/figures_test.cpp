@@ -69,9 +69,17 @@ TEST_F(Figures, OfComparisonsAndDetectorsHaveALegendAxesInWordsAndTheirData) {
   EXPECT_THAT(figures("cf"), testing::IsSupersetOf({"campaign.csv", "campaign.svg", "groups.csv", "groups.pdf"}));
   const std::string groups = content("cf/groups.csv");
   EXPECT_THAT(groups, testing::HasSubstr("coefficient of restitution ε at 0."));
-  EXPECT_THAT(groups, testing::HasSubstr(",ε with its 95 % interval,glass,0.90"));
-  EXPECT_THAT(content("cf/campaign.svg"), testing::HasSubstr("glass: 95 % of recordings"));
+  EXPECT_THAT(groups, testing::HasSubstr(",\"ε, 95 %\",glass,0.90"));
+  const std::string campaign = content("cf/campaign.svg");  // each group, and once what its band and line are
+  for (const char* entry :
+       {">glass, ± standard error<", ">wood, ± standard error<", ">band of each: 95 % of its recordings<"})
+    EXPECT_THAT(campaign, testing::HasSubstr(entry));
   EXPECT_THAT(content("cf/campaign.svg"), testing::HasSubstr("coefficient of restitution"));
+  // of plates that differ nothing is drawn as of one ball
+  ASSERT_EQ(run("fit c.csv --groups g.csv --out apart/fit.json --quiet").exit_code, 0);
+  ASSERT_EQ(run("report apart --figures apart/figures").exit_code, 0);
+  EXPECT_THAT(figures("apart/figures"), testing::ElementsAre("law.csv", "law.pdf", "law.svg"));
+  EXPECT_THAT(content("apart/figures/law.csv"), testing::HasSubstr(",\"wood, 95 %\","));
   write("v.toml", "snr-db = [20, 10, 30, 40]\n");
   ASSERT_EQ(run("validate --config v.toml --detector builtin --drops 1 --impacts 12 --asperities 99 --out v").exit_code,
             0);

@@ -207,6 +207,21 @@ TEST_F(FitCommand, OfPlatesHasConstantsAndSlopesOfEach) {
   EXPECT_EQ(found()["recordings"].size(), 3u);
 }
 
+TEST_F(FitCommand, ACurveThatBelongsToNoBallIsNotWrittenAndThatIsSaid) {
+  std::string samples = "recording,drop,v_mps,eps\n";
+  for (int k = 0; k < 200; ++k)
+    samples += std::string(k < 100 ? "a" : "b") + "," + std::to_string(k / 50) + "," +
+               std::to_string(0.3 + 0.02 * (k % 50)) + "," +
+               std::to_string(0.9 - 0.05 * (k / 100) + 0.002 * std::fmod(0.618 * k, 1.0)) + "\n";
+  write("law.csv", "of an earlier run");
+  const Result result = fit(samples, "--table law.csv");
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_THAT(result.err, testing::HasSubstr("law.csv is not written: the recordings or drops differ"));
+  EXPECT_FALSE(exists("law.csv"));
+  EXPECT_EQ(fit(samples, "--table law.csv --pool").exit_code, 0);
+  EXPECT_TRUE(exists("law.csv"));
+}
+
 TEST_F(FitCommand, FilesOfTheSameNameOrWithTheSameDropAreRecordingsOfTheirOwn) {
   fs::create_directories(folder_ / "x");
   fs::create_directories(folder_ / "y");

@@ -342,6 +342,19 @@ TEST_F(ForeignFiles, AQuestionIsInTheJsonOfTheFailure) {
               AllOf(HasSubstr("do not rise"), HasSubstr("--as intervals --unit s (intervals in s)")));
 }
 
+TEST_F(ForeignFiles, OfManyThatAreReadAlikeOneLineSaysHow) {
+  std::string names;
+  for (int k = 1; k <= 5; ++k) {
+    const std::string name = "t" + std::to_string(k) + ".csv";
+    write(name, "t (s)\n0.1\n0.7\n1.2\n1.6" + std::to_string(k) + "\n");
+    names += name + " ";
+  }
+  write("ms.csv", "t (ms)\n100\n700\n1200\n1620\n");
+  const Result result = run("restitution " + names + "ms.csv --out s.csv");
+  EXPECT_THAT(result.out, testing::StartsWith("t1.csv, t2.csv, t3.csv and 2 more: times in s (column 't (s)')\n"
+                                              "ms.csv: times in ms (column 't (ms)'): 4 impacts in 1 drop"));
+}
+
 TEST_F(ForeignFiles, WhatTheirDropsSayAgainstOneValueIsSaid) {
   const auto table = [](const std::vector<std::vector<double>>& drops) {
     std::string text = "drop,t_s\n";

@@ -119,6 +119,11 @@ TEST(BallCatalogue, WhatIsNotUnderstoodIsAnsweredWithWhatIs) {
   using testing::HasSubstr;
   EXPECT_THAT(message_of("stel:6mm"),
               AllOf(HasSubstr("'stel'"), HasSubstr("did you mean steel?"), HasSubstr("bouncelab balls")));
+  for (const auto& [word, name] :
+       {std::pair("Tischtennisball", "table-tennis"), std::pair("Fu\u00dfball", "football"),
+        std::pair("Stahlkugel:6mm", "steel"), std::pair("balle de tennis de table", "table-tennis"),
+        std::pair("Murmel", "marble"), std::pair("canica", "marble")})
+    EXPECT_THAT(message_of(word), HasSubstr(std::string("did you mean ") + name + "?"));
   EXPECT_THAT(message_of("potato"), AllOf(HasSubstr("'potato'"), HasSubstr("bouncelab balls")));
   EXPECT_THAT(message_of("steel"), HasSubstr("steel:6mm is a diameter of 6 mm"));
   EXPECT_THAT(message_of("steel:6"), HasSubstr("such as 6mm"));

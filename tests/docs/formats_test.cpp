@@ -49,7 +49,7 @@ const std::map<std::string, Description>& all_described() {
         named<fit::RecordingsTest>("RecordingsTest"), named<fit::RecordingFit>("RecordingFit"),
         named<fit::FitResult>("FitResult"), named<fit::Grouping>("Grouping"), named<fit::Drift>("Drift"),
         named<fit::BetweenRecordings>("BetweenRecordings"), named<fit::GroupRestitution>("GroupRestitution"),
-        named<fit::GroupLaw>("GroupLaw"), named<fit::GroupDifference>("GroupDifference"),
+        named<fit::CampaignNode>("CampaignNode"), named<fit::GroupDifference>("GroupDifference"),
         named<fit::GroupDifferences>("GroupDifferences"), named<loop::LoopScore>("LoopScore"),
         named<loop::ScatterTheory>("ScatterTheory"), named<loop::ReservoirCheck>("ReservoirCheck"),
         named<loop::ReservoirOfDrop>("ReservoirOfDrop"), named<loop::RecordingDetails>("RecordingDetails"),

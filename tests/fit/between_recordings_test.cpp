@@ -21,7 +21,7 @@
 namespace bouncelab::fit {
 namespace {
 
-/// A campaign whose truth is known, drawn at the level of the recordings' own laws.
+/// A campaign whose truth is known, drawn at the level of the recordings' own values.
 struct Campaign {
   std::size_t n = 40;
   double tau = 3e-4, sd_plate = 0.0, sd_day = 0.0;
@@ -31,7 +31,8 @@ struct Campaign {
   std::uint64_t seed = 1;
 };
 
-constexpr double kCorrelation = 0.4;  // of a recording's values at neighbouring nodes
+constexpr double kSpeeds_mps[] = {0.25, 0.63, 1.25};
+constexpr double kReference_mps = 0.63;
 
 std::vector<CampaignRecording> drawn(const Campaign& campaign) {
   const RestitutionLaw law = SeriesLaw{};
@@ -46,23 +47,14 @@ std::vector<CampaignRecording> drawn(const Campaign& campaign) {
     r.summary.recording = "r" + std::to_string(k);
     r.summary.status = FitStatus::ok;
     r.summary.n = 100;
-    r.summary.n_nodes = 3;
-    r.summary.v_mps = {0.25, 0.6, 1.2};
     const double t =
         (static_cast<double>(k) + 0.5) * static_cast<double>(campaign.n_days) / static_cast<double>(campaign.n);
     const double middle = 0.5 * static_cast<double>(campaign.n_days);
     const double offset =
         campaign.tau * random.normal() + plates[plate] + days[day] + campaign.slope_per_day * (t - middle);
     const double se = random.uniform(campaign.least_error, campaign.greatest_error);
-    Eigen::Matrix3d covariance;
-    for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j)
-        r.summary.covariance[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)] = covariance(i, j) =
-            se * se * std::pow(kCorrelation, std::abs(i - j));
-    const Eigen::Matrix3d root = covariance.llt().matrixL();
-    const Eigen::Vector3d error = root * Eigen::Vector3d(random.normal(), random.normal(), random.normal());
-    for (std::size_t i = 0; i < 3; ++i)
-      r.summary.eps[i] = restitution(law, r.summary.v_mps[i]) + offset + error[static_cast<Eigen::Index>(i)];
+    for (const double v_mps : kSpeeds_mps)
+      r.summary.nodes.push_back({v_mps, normal_estimate(restitution(law, v_mps) + offset + se * random.normal(), se)});
     r.origin.plate = campaign.n_plates > 1 ? "plate " + std::to_string(plate) : "";
     r.origin.date = RecordingDate{20000.0 + t, 20000 + static_cast<std::int64_t>(day)};
     recordings.push_back(r);
@@ -74,37 +66,34 @@ double truth_at(double v_mps) { return restitution(SeriesLaw{}, v_mps); }
 
 bool contains(const Interval& interval, double value) { return interval.lo <= value && value <= interval.hi; }
 
-/// The same with matrices of all values: n x n, as textbooks write it.
+/// All recordings at the reference speed.
+Design design_of(const std::vector<CampaignRecording>& recordings) {
+  std::vector<std::size_t> used;
+  for (std::size_t k = 0; k < recordings.size(); ++k) used.push_back(k);
+  return make_design(recordings, used, times_of(recordings, used), kReference_mps);
+}
+
+/// The same with a matrix of all recordings: n x n, as textbooks write it.
 struct Dense {
   double minus_two_log_likelihood = 0.0;
   Eigen::VectorXd beta;
   Eigen::MatrixXd covariance;
 };
 
-Dense dense(const std::vector<CampaignRecording>& recordings, const Design& design, const Deviations& deviations) {
-  const auto n = static_cast<Eigen::Index>(recordings.size());
-  Eigen::MatrixXd v = Eigen::MatrixXd::Zero(3 * n, 3 * n), x(3 * n, design.data.n_fixed());
-  Eigen::VectorXd y(3 * n);
-  for (Eigen::Index r = 0; r < n; ++r) {
-    const RecordingSummary& summary = recordings[static_cast<std::size_t>(r)].summary;
-    const std::vector<double> speeds(summary.v_mps.begin(), summary.v_mps.end());
-    const Eigen::MatrixXd law = design.law.jacobian(speeds, design.base);
-    for (Eigen::Index i = 0; i < 3; ++i) {
-      y[3 * r + i] = summary.eps[static_cast<std::size_t>(i)] - 1.0 - law.row(i).dot(design.base);
-      x.row(3 * r + i) << law.row(i), design.data.h().row(r).tail(design.data.n_fixed() - 3);
-      for (Eigen::Index j = 0; j < 3; ++j)
-        v(3 * r + i, 3 * r + j) = summary.covariance[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)];
-    }
-    for (Eigen::Index s = 0; s < n; ++s)
+Dense dense(const OffsetData& data, const Deviations& deviations) {
+  Eigen::MatrixXd v = data.variance.asDiagonal();
+  for (Eigen::Index r = 0; r < data.n(); ++r)
+    for (Eigen::Index s = 0; s < data.n(); ++s)
       for (std::size_t k = 0; k < 3; ++k) {
         const auto a = static_cast<std::size_t>(r), b = static_cast<std::size_t>(s);
         const bool shared = k == 0 ? r == s
-                                   : design.data.n_levels[k - 1] > 0 && design.data.level[k - 1][a] >= 0 &&
-                                         design.data.level[k - 1][a] == design.data.level[k - 1][b];
-        if (shared) v.block(3 * r, 3 * s, 3, 3).array() += deviations[k] * deviations[k];
+                                   : data.n_levels[k - 1] > 0 && data.level[k - 1][a] >= 0 &&
+                                         data.level[k - 1][a] == data.level[k - 1][b];
+        if (shared) v(r, s) += deviations[k] * deviations[k];
       }
-  }
   const Eigen::LDLT<Eigen::MatrixXd> weights(v);
+  const Eigen::MatrixXd x = data.h();
+  const Eigen::VectorXd y = data.m();
   const Eigen::MatrixXd information = x.transpose() * weights.solve(x);
   Dense result;
   result.covariance = information.inverse();
@@ -119,30 +108,23 @@ TEST(OffsetSolution, IsGeneralisedLeastSquaresOfAllValues) {
   Campaign campaign{.n = 36, .sd_plate = 2e-4, .sd_day = 2e-4, .slope_per_day = 3e-5, .n_days = 9, .n_plates = 6};
   std::vector<CampaignRecording> recordings = drawn(campaign);
   recordings[7].origin.plate.clear();  // not known
-  const Design design = make_design(recordings);
+  const Design design = design_of(recordings);
   ASSERT_EQ(design.plates.effect, GroupEffect::random);
   ASSERT_EQ(design.days.effect, GroupEffect::random);
-  double reference = 0.0;
-  std::vector<double> of_blocks, of_dense;
   for (const Deviations& deviations : {Deviations{3e-4, 2e-4, 1e-4}, Deviations{0.0, 0.0, 0.0},
                                        Deviations{1e-4, 0.0, 3e-4}, Deviations{2e-4, 5e-4, 0.0}}) {
     const OffsetSolution blocks(design.data, deviations);
-    const Dense twin = dense(recordings, design, deviations);
+    const Dense twin = dense(design.data, deviations);
     // eps to 1e-12: far below any error, and what is left of 16 digits after the inverses
     EXPECT_LT((blocks.beta() - twin.beta).cwiseAbs().maxCoeff(), 1e-12);
     EXPECT_LT((blocks.covariance() - twin.covariance).norm(), 1e-9 * twin.covariance.norm());
-    of_blocks.push_back(blocks.minus_two_log_likelihood());
-    of_dense.push_back(twin.minus_two_log_likelihood);
+    EXPECT_NEAR(blocks.minus_two_log_likelihood(), twin.minus_two_log_likelihood, 1e-6);
   }
-  // but for a constant of the data, which Birge's ratio, if it is not 1, does not touch
-  reference = of_blocks[0] - of_dense[0];
-  ASSERT_LT(design.shapes.chi2, design.shapes.ndf);
-  for (std::size_t k = 1; k < of_blocks.size(); ++k) EXPECT_NEAR(of_blocks[k] - of_dense[k], reference, 1e-6);
 }
 
 TEST(OffsetSolution, PredictsARecordingWithoutItAsAFitWithoutItDoes) {
   const Campaign campaign{.n = 36, .sd_plate = 2e-4, .sd_day = 2e-4, .n_days = 9, .n_plates = 6};
-  const Design design = make_design(drawn(campaign));
+  const Design design = design_of(drawn(campaign));
   const Deviations deviations{3e-4, 2e-4, 1e-4};
   const OffsetSolution all(design.data, deviations);
   for (const Eigen::Index left_out : {Eigen::Index{0}, Eigen::Index{13}, Eigen::Index{35}}) {
@@ -168,10 +150,7 @@ std::vector<CampaignRecording> of_one_speed(const std::vector<double>& eps, doub
     CampaignRecording r;
     r.summary.status = FitStatus::ok;
     r.summary.recording = "r" + std::to_string(recordings.size());
-    r.summary.n_nodes = 1;
-    r.summary.v_mps[0] = 0.5;
-    r.summary.eps[0] = value;
-    r.summary.covariance[0][0] = se * se;
+    r.summary.nodes = {{0.5, normal_estimate(value, se)}};
     r.origin.date = RecordingDate{20000.5, 20000};  // all of one day: no drift
     recordings.push_back(r);
   }
@@ -186,7 +165,8 @@ TEST(CompareCampaign, OfEqualErrorsIsAnAnalysisOfVariance) {
   for (const double e : eps) variance += (e - mean) * (e - mean) / (n - 1.0);
   const BetweenRecordings found = compare_campaign(of_one_speed(eps, se));
   ASSERT_EQ(found.status, FitStatus::ok);
-  EXPECT_EQ(found.kind, LawKind::constant);
+  ASSERT_EQ(found.nodes.size(), 1u);
+  EXPECT_EQ(found.nodes[0].eps.value, found.eps.value);
   EXPECT_NEAR(found.eps.value, mean, 1e-12);
   // the search for tau stops at 1e-4 of its bracket, of at most twice its value
   EXPECT_NEAR(found.tau.value, std::sqrt(variance - se * se), 3e-4 * found.tau.value);
@@ -210,11 +190,12 @@ TEST(CompareCampaign, OfEqualErrorsIsAnAnalysisOfVariance) {
 TEST(CompareCampaign, WithoutDifferencesIsTheWeightedMean) {
   std::vector<CampaignRecording> recordings = of_one_speed({0.9712, 0.97125, 0.97118, 0.97123, 0.97119}, 1e-4);
   for (std::size_t k = 0; k < recordings.size(); ++k)
-    recordings[k].summary.covariance[0][0] = 1e-8 * (1.0 + static_cast<double>(k));
+    recordings[k].summary.nodes[0].eps.se = 1e-4 * std::sqrt(1.0 + static_cast<double>(k));
   double sum = 0.0, weights = 0.0;
   for (const CampaignRecording& r : recordings) {
-    sum += r.summary.eps[0] / r.summary.covariance[0][0];
-    weights += 1.0 / r.summary.covariance[0][0];
+    const Estimate& eps = r.summary.nodes[0].eps;
+    sum += eps.value / (*eps.se * *eps.se);
+    weights += 1.0 / (*eps.se * *eps.se);
   }
   const BetweenRecordings found = compare_campaign(recordings);
   EXPECT_EQ(found.tau.value, 0.0);
@@ -244,9 +225,9 @@ Counts counts_of(const Campaign& campaign, std::size_t n_seeds) {
   for (std::size_t k = 0; k < n_seeds; ++k) {
     const BetweenRecordings& found = all[k];
     Random random(1000 + k, RandomStream::test, 2);
-    const double next = truth_at(0.6) + campaign.tau * random.normal() + campaign.sd_plate * random.normal() +
-                        campaign.sd_day * random.normal();
-    n.eps += contains(*found.eps.ci95, truth_at(0.6));
+    const double next = truth_at(kReference_mps) + campaign.tau * random.normal() +
+                        campaign.sd_plate * random.normal() + campaign.sd_day * random.normal();
+    n.eps += contains(*found.eps.ci95, truth_at(kReference_mps));
     n.drift += found.drift && contains(*found.drift->slope.ci95, campaign.slope_per_day);
     n.false_drifts += campaign.slope_per_day == 0.0 && found.drift && found.drift->p_value < 0.05;
     n.tau += contains(found.tau.ci95, campaign.tau);
@@ -273,17 +254,6 @@ TEST(CompareCampaign, CoversTheTruth) {
   }
 }
 
-/// eps of a recording alone as comparison.csv has it: its offset from the law, errors of its nodes weighted.
-double measured(const RecordingSummary& summary) {
-  const Eigen::MatrixXd weights = covariance_of(summary).inverse();
-  Eigen::Vector3d off;
-  for (Eigen::Index i = 0; i < 3; ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    off[i] = summary.eps[k] - truth_at(summary.v_mps[k]);
-  }
-  return truth_at(0.6) + weights.colwise().sum().dot(off) / weights.sum();
-}
-
 TEST(CompareCampaign, OfPlatesThatDifferEachHasItsOwnEpsAndTheNextRecordingOfItIsForetold) {
   // few recordings of two plates; many, with a drift; with days; of so many plates that they are a random effect
   for (const Campaign& campaign : {Campaign{.n = 10, .sd_plate = 5e-3, .n_days = 10, .n_plates = 2},
@@ -302,17 +272,21 @@ TEST(CompareCampaign, OfPlatesThatDifferEachHasItsOwnEpsAndTheNextRecordingOfItI
       const auto first = recordings.begin() + static_cast<std::ptrdiff_t>(campaign.n / 2);
       const std::vector<CampaignRecording> next(first, first + static_cast<std::ptrdiff_t>(campaign.n_plates));
       recordings.erase(first, first + static_cast<std::ptrdiff_t>(campaign.n_plates));
-      const std::vector<GroupRestitution> groups = differing_groups(compare_campaign(recordings), {});
-      held[k][2] = groups.size() == campaign.n_plates;
+      const BetweenRecordings found = compare_campaign(recordings);
+      held[k][2] = found.groups_differ();
+      if (!found.groups_differ()) return;
+      const std::vector<GroupRestitution>& groups = found.differences->groups;
+      ASSERT_EQ(groups.size(), campaign.n_plates);
       Random random(one.seed, RandomStream::test, 1);
       std::map<std::string, double> plate_of;  // in the order in which drawn() draws them
       const std::vector<CampaignRecording> all = drawn(one);
       for (std::size_t p = 0; p < campaign.n_plates; ++p)
         plate_of[all[p].origin.plate] = campaign.sd_plate * random.normal();
       for (const GroupRestitution& group : groups) {
-        held[k][0] += contains(*group.eps.ci95, truth_at(0.6) + plate_of.at(group.name));
+        held[k][0] += contains(*group.eps.ci95, truth_at(kReference_mps) + plate_of.at(group.name));
         for (const CampaignRecording& r : next)
-          if (r.origin.plate == group.name) held[k][1] += contains(group.prediction95.value(), measured(r.summary));
+          if (r.origin.plate == group.name)
+            held[k][1] += contains(group.prediction95.value(), r.summary.nodes[1].eps.value);
       }
     });
     double n_eps = 0.0, n_next = 0.0, n_stated = 0.0;
@@ -331,7 +305,7 @@ TEST(CompareCampaign, NamesOutliersAndLeavesThemOut) {
   const BetweenRecordings before = compare_campaign(recordings);
   ASSERT_EQ(before.n_outliers, 0u);
   for (const std::size_t bad : {std::size_t{11}, std::size_t{40}})
-    for (double& eps : recordings[bad].summary.eps) eps += 4e-3;  // thirteen tau
+    for (NodeEstimate& node : recordings[bad].summary.nodes) node.eps.value += 4e-3;  // thirteen tau
   recordings[0].summary.n_left_out = 1;
   recordings[0].summary.n_outliers = 2;  // samples
   recordings[1].summary.recording = "=1+1";
@@ -357,7 +331,7 @@ TEST(CompareCampaign, OfTooFewSaysHowManyAreNeeded) {
   ASSERT_TRUE(found.why);
   EXPECT_EQ(found.why->kind, NoteKind::too_few_recordings);
   EXPECT_EQ(found.why->numbers.at(0), 3.0);
-  EXPECT_FALSE(found.rows[2].is_used);
+  EXPECT_TRUE(found.rows[0].why_not || found.n_used == 3);
 }
 
 TEST(RecordingDate, IsReadFromIso) {
@@ -391,7 +365,7 @@ TEST(RecordingDate, IsFoundInNames) {
     EXPECT_EQ(in_name(name), "") << name;
 }
 
-TEST(SummarizeRecording, GivesItsOwnLawWithItsErrors) {
+TEST(SummarizeRecording, GivesItsOwnEpsWithItsErrors) {
   RestitutionSamples samples;
   const RestitutionLaw law = SeriesLaw{};
   Random random(3, RandomStream::test, 0);
@@ -411,13 +385,14 @@ TEST(SummarizeRecording, GivesItsOwnLawWithItsErrors) {
   EXPECT_EQ(summary.n_outliers, 1u);
   EXPECT_EQ(summary.n_left_out, 1u);
   EXPECT_EQ(summary.n_drops, 5u);
-  ASSERT_EQ(summary.n_nodes, 3u);
-  for (std::size_t i = 0; i < 3; ++i) {
-    const double se = std::sqrt(summary.covariance[i][i]);
-    // four standard errors: once in 16,000 seeds
-    EXPECT_NEAR(summary.eps[i], truth_at(summary.v_mps[i]), 4.0 * se);
-    EXPECT_LT(se, 5e-4);
-    EXPECT_GT(se, 1e-5);
+  // 0.2 to 1.4 m/s but for the twentieths at the ends
+  ASSERT_GE(summary.nodes.size(), 8u);
+  EXPECT_EQ(summary.nodes.front().v_mps, comparison_speed_mps(-7 + (summary.nodes.size() == 8 ? 1 : 0)));
+  for (const NodeEstimate& node : summary.nodes) {
+    // four standard errors: once in 16,000 seeds; eps is the root mean square, of a scatter of 7e-4
+    EXPECT_NEAR(node.eps.value, truth_at(node.v_mps), 4.0 * *node.eps.se);
+    EXPECT_LT(*node.eps.se, 5e-4);
+    EXPECT_GT(*node.eps.se, 1e-5);
   }
   samples.resize(7);
   EXPECT_EQ(summarize_recording(samples).status, FitStatus::too_few_samples);

@@ -189,7 +189,7 @@ class Folders(Case):
         self.assertEqual(found.results, json.loads(read(found.path("comparison.json"))))
         self.assertEqual([row["plate"] for row in found.recordings], ["glass", "wood"])
         self.assertIn("glass", found.answer)
-        self.assertAlmostEqual(found.differences[0]["offset"]["value"], -0.01, delta=0.005)
+        self.assertAlmostEqual(found.differences[0]["eps"]["value"], -0.01, delta=0.005)
         self.assertEqual(quiet(bl.compare, tables, **keywords).results, found.results)
         alike = [dict(table, recording=["drop"] * len(table)) for table in tables]
         self.assertEqual([row["recording"] for row in quiet(bl.compare, alike).recordings], ["drop", "drop (2)"])

@@ -76,6 +76,31 @@ TEST(PlainAnswer, SeesNoChangeWhereThereIsTooLittleForACurve) {
   EXPECT_THAT(answer.sentences.at(0), HasSubstr("no change with the speed is seen"));
 }
 
+TEST(PlainAnswer, ABallThatKeepsMoreThanItsRulesAllowIsDoubted) {
+  const auto said = [](double eps) {  // from 2 m/s on and above, beyond what the rule's test tells
+    RestitutionSamples samples;
+    for (int k = 0; k < 6; ++k) {
+      RestitutionSample s;
+      s.impact = k + 1, s.v_mps = 4.5 - 0.1 * k, s.eps = eps + (k % 2 == 0 ? 0.001 : -0.001), s.sigma_eps = 1e-3;
+      s.conditions.ball = ball_from_text("table-tennis");
+      samples.push_back(s);
+    }
+    std::string all;
+    for (const std::string& sentence : told(samples).answer.sentences) all += sentence + " ";
+    return all;
+  };
+  // sqrt(260 mm/305 mm) = 0.923
+  EXPECT_THAT(said(0.96), HasSubstr("ε is above what the rule (ITTF) allows of such a ball, 0.92 at 2.4 m/s on a block "
+                                    "of steel. Is it another ball, or a speed that is wrong?"));
+  EXPECT_THAT(said(0.90), ::testing::Not(HasSubstr("rule")));
+}
+
+TEST(Notes, NameTheirRecordingOnce) {
+  const Note note{NoteKind::recording_left_out, {}, "a.wav: the file is empty", "a.wav"};
+  EXPECT_EQ(as_sentence(note), "a.wav: the file is empty; left out.");
+  EXPECT_EQ(texts_of({note}).front(), "a.wav: the file is empty; left out");
+}
+
 TEST(PlainAnswer, SaysWhatIsMissingWhereThereIsNothing) {
   EXPECT_THAT(told({}).answer.sentences.at(0), HasSubstr("ε is not known"));
   // one bounce: with the scatter that balls have

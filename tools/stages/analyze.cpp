@@ -100,7 +100,7 @@ Read read_tables(const std::vector<fs::path>& files, const loop::AnalyzeConfig& 
     read.inputs = with_onsets_beside(files);
     read.is_answered = !read.found.restitution.samples.empty();
     if (!read.is_answered) {
-      read.outcome.text = lines_of(taken_for);
+      read.outcome.text = lines_of(one_a_kind(taken_for));
       read.outcome.exit_code = kNotUsable;
       read.outcome.error = input_name(files.front()) + ": no three successive impacts: no coefficient of restitution";
     }

@@ -85,7 +85,7 @@ Outcome run_compare(const CompareOptions& options, const Run& run) {
   if (auto twice = report::note_of_repeated_drops(found.kept)) outcome.notes.push_back(*std::move(twice));
   between.notes = joined(std::move(outcome.notes), between.notes);
   report::order(between.notes);
-  outcome.result = report::object_of(between, found.recordings, found.differences);
+  outcome.result = report::object_of(between, found.recordings);
   const std::string json = json_text(outcome.result, 1);
   write_text(run, folder / "comparison.json", json + "\n", inputs);
   write_table(run, folder / "comparison.csv", to_table(between, found.recordings), inputs);
@@ -97,7 +97,7 @@ Outcome run_compare(const CompareOptions& options, const Run& run) {
   outcome.notes = between.notes;
   outcome.exit_code = heard.exit_code;
   outcome.error = heard.error;
-  if (const auto& differences = found.differences;
+  if (const auto& differences = between.differences;
       between.status != fit::FitStatus::ok && (!differences || differences->rows.empty())) {
     outcome.exit_code = std::max<int>(outcome.exit_code, kNotUsable);
     const std::optional<Note>& why = differences && differences->why ? differences->why : between.why;
@@ -106,7 +106,7 @@ Outcome run_compare(const CompareOptions& options, const Run& run) {
                      (why ? report::in_words(*why) : "");
     return outcome;
   }
-  outcome.text = lines_of(report::in_words(between, found.recordings, found.differences)) +
+  outcome.text = lines_of(report::in_words(between, found.recordings)) +
                  "Report: " + fs::absolute(folder / "report.html").lexically_normal().string() + "\n";
   return outcome;
 }

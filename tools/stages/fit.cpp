@@ -107,7 +107,7 @@ Outcome run_restitution(const RestitutionOptions& options, const Run& run) {
   const fit::RestitutionCounts counts =
       restitution_of_files(inputs, config, options.foreign, samples, taken_for, outcome.notes);
   inputs = with_onsets_beside(std::move(inputs));
-  outcome.text = lines_of(taken_for) + describe(counts) + "\n";
+  outcome.text = lines_of(one_a_kind(taken_for)) + describe(counts) + "\n";
   if (config.ball)
     outcome.text +=
         "ball: " + bouncelab::describe(*config.ball) + (config.plate ? " on " + plate_text(*config.plate) : "") + "\n";
@@ -154,7 +154,8 @@ std::string answer_text(const fit::FitResult& result, const report::FitInWords& 
   for (std::size_t k = 0; k < n; ++k) add(k < 2 ? 2 : 200 + k, "  " + report::in_words(answer.recordings[k]));
   if (n > 2) add(kOfMore, "  and more");
   add(5, constants);
-  for (std::size_t k = 0; k < taken_for.size(); ++k) add(100 + k, taken_for[k]);
+  const std::vector<std::string> kinds = one_a_kind(taken_for);
+  for (std::size_t k = 0; k < kinds.size(); ++k) add(100 + k, kinds[k]);
   add(50, report::in_words(words.taken));
   add(1, answer.doubt);
   add(1, std::string(trimmed(where, "\n")));
@@ -217,7 +218,8 @@ Outcome run_fit(const FitOptions& options, const Run& run) {
   take(words.notes, words);
   const Object all = report::object_of(result, words);
   write_text(run, options.out, json_text(all, 1) + "\n", inputs);
-  if (!options.table.empty() && result.curve && result.is_one_ball && !result.curve->points.empty())
+  const bool has_table = result.curve && result.is_one_ball && !result.curve->points.empty();
+  if (!options.table.empty() && has_table)
     write_table(run, options.table, fit::law_table(result.curve->points), inputs);
   if (!options.histograms.empty())
     write_table(run, options.histograms, fit::histogram_table(result.histograms), inputs);
@@ -227,6 +229,17 @@ Outcome run_fit(const FitOptions& options, const Run& run) {
         fit::slope_table(result.is_one_ball ? result.histograms : std::vector<fit::HistogramFit>{}, result.recordings),
         inputs);
   Outcome outcome = fit_outcome(result, words, input_name(files.front()) + more_files(files.size()));
+  if (!options.table.empty() && !has_table && result.curve) {
+    if (!is_stream(options.table)) std::filesystem::remove(options.table);  // of an earlier run, which --force replaces
+    outcome.notes.push_back(
+        {NoteKind::of_file,
+         {},
+         options.table + " is not written: " +
+             (result.is_one_ball ? "there is one ε, at one speed"
+              : !result.recordings.plates.empty()
+                  ? "the plates differ; give the samples of one plate alone (--pool writes one curve of all)"
+                  : "the recordings or drops differ; give those of one ball alone (--pool writes one curve of all)")});
+  }
   const std::filesystem::path out = options.out;
   const bool has_page = out.filename() == "fit.json";
   outcome.text = answer_text(

@@ -62,6 +62,43 @@ const std::map<std::string, OtherName, std::less<>> kOtherNames{
     {"pool", {"billiard"}},           {"marble", {"glass", 0.016}},        {"glass-marble", {"glass", 0.016}},
     {"bouncy", {"superball", 0.027}}, {"superball", {"superball", 0.027}}, {"golfball", {"golf"}},
     {"aluminum", {"aluminium"}},      {"silicon-carbide", {"sic"}}};
+/// Parts of words of other languages and the names that they ask for; what holds another stands before it.
+constexpr std::pair<std::string_view, std::string_view> kForeignWords[]{{"tischtennis", "table-tennis"},
+                                                                        {"tafeltennis", "table-tennis"},
+                                                                        {"tennis-de-table", "table-tennis"},
+                                                                        {"tenis-de-mesa", "table-tennis"},
+                                                                        {"tenis", "tennis"},
+                                                                        {"fussball", "football"},
+                                                                        {"fu\u00dfball", "football"},
+                                                                        {"voetbal", "football"},
+                                                                        {"billard", "billiard"},
+                                                                        {"biljart", "billiard"},
+                                                                        {"flummi", "superball"},
+                                                                        {"murmel", "marble"},
+                                                                        {"knikker", "marble"},
+                                                                        {"bille", "marble"},
+                                                                        {"canica", "marble"},
+                                                                        {"biglia", "marble"},
+                                                                        {"stahl", "steel"},
+                                                                        {"staal", "steel"},
+                                                                        {"acier", "steel"},
+                                                                        {"acero", "steel"},
+                                                                        {"acciaio", "steel"},
+                                                                        {"glas", "glass"},
+                                                                        {"verre", "glass"},
+                                                                        {"vidrio", "glass"},
+                                                                        {"vetro", "glass"},
+                                                                        {"messing", "brass"},
+                                                                        {"laiton", "brass"},
+                                                                        {"gummi", "rubber"},
+                                                                        {"caoutchouc", "rubber"},
+                                                                        {"holz", "wood"},
+                                                                        {"bois", "wood"},
+                                                                        {"madera", "wood"},
+                                                                        {"legno", "wood"},
+                                                                        {"beton", "concrete"},
+                                                                        {"b\u00e9ton", "concrete"},
+                                                                        {"hormig", "concrete"}};
 [[noreturn]] void refuse(std::string_view kind, std::string_view text, const std::string& why) {
   throw InvalidArgument(std::string(kind) + " '" + printable(text) + "': " + why);
 }
@@ -149,7 +186,12 @@ const Kind& kind_named(std::string_view what, std::string_view text, const std::
     if (kind.name == meant) return kind;
     names.push_back(kind.name);
   }
-  const std::string nearest = nearest_name(name, names);
+  std::string nearest = nearest_name(name, names);
+  if (nearest.empty())
+    for (const auto& [word, english] : kForeignWords)
+      if (nearest.empty() && as_in_catalogue(name).find(word) != std::string::npos)
+        if (english == "marble" ? what == "ball" : std::find(names.begin(), names.end(), english) != names.end())
+          nearest = english;
   std::string advice = nearest.empty() ? "" : "; did you mean " + nearest + "?";
   if (advice.empty() && what == "plate")  // there are few
     for (const std::string& known : names) advice += (advice.empty() ? "; name " : ", ") + known;

@@ -14,7 +14,6 @@
 #include <utility>
 #include <vector>
 
-#include "between/agreement.hpp"
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/numerics.hpp"
 #include "bouncelab/core/parallel.hpp"
@@ -24,35 +23,25 @@
 
 namespace bouncelab::fit {
 
-UnitSamples unit_samples(const std::vector<UnitGroup>& groups, const LawFit& law, std::vector<int> orders,
-                         bool of_recordings) {
-  UnitSamples units;
-  std::vector<double> v_mps;
-  RestitutionSamples kept;
-  std::map<std::tuple<std::size_t, std::string, std::int64_t>, std::size_t> numbers;
-  for (const UnitGroup& group : groups) {
-    for (std::size_t k = 0; k < group.samples->size(); ++k) {
-      if (std::binary_search(group.outliers->begin(), group.outliers->end(), k)) continue;
-      const RestitutionSample& s = (*group.samples)[k];
-      kept.push_back(s);
-      v_mps.push_back(s.v_mps);
-      units.weight.push_back(1.0 / (group.scatter->variance(s.v_mps) + square(s.sigma_eps.value_or(0.0))));
-      units.group.push_back(units.n_groups);
-      const auto name = std::tuple(units.n_groups, s.recording, of_recordings ? 0 : s.drop);
-      units.unit.push_back(numbers.try_emplace(name, numbers.size()).first->second);
-    }
-    ++units.n_groups;
-  }
-  units.n_units = numbers.size();
-  if (kept.empty()) return units;
-  units.residual = residuals_from(*law.law, kept);
-  orders.resize(std::min(orders.size(), law.parameters.size()));
-  const LawModel model = make_law_model(law.kind, orders, v_mps);
-  const double gamma = law.kind == LawKind::viscoelastic ? law.parameters.front().estimate.value : 1.0;
-  units.curve = model.jacobian(v_mps, Eigen::VectorXd::Constant(model.n_parameters(), log(gamma)));
-  return units;
-}
+namespace {
 
+/// Samples by unit, which is a drop: columns of equal length.
+struct UnitSamples {
+  std::vector<double> residual;          ///< of eps from a curve of all
+  std::vector<double> weight;            ///< 1 / variance of the scatter and of the timing, but for a factor
+  Eigen::MatrixXd curve;                 ///< a row a sample: what may be wrong about the curve, as d eps
+  std::vector<std::size_t> group, unit;  ///< each sample's, from 0, none left out; a unit is of one group
+  std::size_t n_groups = 0, n_units = 0;
+};
+
+/// Means of the units, a constant of eps for each beside one curve by weighted least squares, and what they leave.
+struct UnitMeans {
+  std::vector<double> mean, weight;  ///< of each unit: its offset from the curve; the sum of its samples' weights
+  double squares = 0.0;              ///< weighted sum of squares about curve and means
+  std::size_t n_free = 0;            ///< its degrees of freedom
+};
+
+/// @param unit  of each sample: samples.group, samples.unit
 UnitMeans unit_means(const UnitSamples& samples, const std::vector<std::size_t>& unit, std::size_t n_units) {
   constexpr double kIndependent = 1e-9;  // of the curve's own squares: less of it is left beside the means
   const Eigen::Index n_curve = samples.curve.cols();
@@ -93,8 +82,6 @@ UnitMeans unit_means(const UnitSamples& samples, const std::vector<std::size_t>&
   result.n_free = unit.size() > taken ? unit.size() - taken : 0;
   return result;
 }
-
-namespace {
 
 struct Agreement {
   RecordingsTest test;
@@ -139,14 +126,35 @@ constexpr std::size_t kManyRecordings = 100;  // recordings: rows in a third of 
 
 using Row = std::pair<std::string, RestitutionSamples>;
 
-/// The table of units: the samples that recordings keep, about the curve of all.
+/// The samples that recordings keep, about the curve of all.
 UnitSamples units_of(const std::vector<Row>& recordings, const std::vector<RecordingFit>& rows,
                      const LawFitConfig& config, const LawFit& pooled) {
-  std::vector<UnitGroup> groups;
-  for (std::size_t r = 0; r < recordings.size(); ++r)
-    if (recordings[r].second.size() >= kFewestOfRecording)
-      groups.push_back({&recordings[r].second, &rows[r].law.outliers, &*pooled.scatter});
-  return unit_samples(groups, pooled, config.orders, false);
+  UnitSamples units;
+  RestitutionSamples kept;
+  std::map<std::tuple<std::size_t, std::string, std::int64_t>, std::size_t> numbers;
+  for (std::size_t r = 0; r < recordings.size(); ++r) {
+    const RestitutionSamples& samples = recordings[r].second;
+    if (samples.size() < kFewestOfRecording) continue;
+    const PartOfSamples part(samples, rows[r].law.outliers);
+    for (const RestitutionSample& s : *part) {
+      kept.push_back(s);
+      units.weight.push_back(1.0 / (pooled.scatter->variance(s.v_mps) + square(s.sigma_eps.value_or(0.0))));
+      units.group.push_back(units.n_groups);
+      const auto name = std::tuple(units.n_groups, s.recording, s.drop);
+      units.unit.push_back(numbers.try_emplace(name, numbers.size()).first->second);
+    }
+    ++units.n_groups;
+  }
+  units.n_units = numbers.size();
+  if (kept.empty()) return units;
+  units.residual = residuals_from(*pooled.law, kept);
+  std::vector<int> orders = config.orders;
+  orders.resize(std::min(orders.size(), pooled.parameters.size()));
+  const std::vector<double> v_mps = speeds_of(kept);
+  const LawModel model = make_law_model(pooled.kind, orders, v_mps);
+  const double gamma = pooled.kind == LawKind::viscoelastic ? pooled.parameters.front().estimate.value : 1.0;
+  units.curve = model.jacobian(v_mps, Eigen::VectorXd::Constant(model.n_parameters(), log(gamma)));
+  return units;
 }
 
 /// @param windows  of its histograms; nullptr: none

@@ -4,9 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <span>
+#include <optional>
 #include <utility>
 
+#include "between/group_differences.hpp"
 #include "between/offset_model.hpp"
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/numerics.hpp"
@@ -100,7 +101,7 @@ Judged judge(const OffsetData& data) {
   return all;
 }
 
-/// The fitted model and what its errors are made of.
+/// The fitted model of one speed and what its errors are made of.
 class Pool {
  public:
   Pool(const Design& design, const Judged& judged)
@@ -108,12 +109,11 @@ class Pool {
         judged_(judged),
         solution_(judged.data, judged.deviations),
         errors_(judged.data, judged.deviations) {
-    const double n_free = static_cast<double>(judged.data.n() - judged.data.n_fixed()) + design.within_rank;
+    const auto n_free = static_cast<double>(judged.data.n() - judged.data.n_fixed());
     if (n_free > 0.0) factor_ = std::max(1.0, solution_.sum_of_squares() / n_free);
   }
 
   const OffsetSolution& solution() const { return solution_; }
-  Eigen::VectorXd law() const { return design_.base + solution_.beta().head(design_.n_law); }
   /// Of direction' beta; with `more_variance` what is added to the error's square.
   Estimate estimate(double value, const Eigen::VectorXd& direction, double more_variance = 0.0) const {
     const double variance = factor_ * congruence(direction, solution_.covariance())(0, 0) + more_variance;
@@ -121,20 +121,9 @@ class Pool {
     const double n_free = errors_.degrees_of_freedom(direction, more_variance > 0.0 ? se : 0.0);
     return student_estimate(value, variance, n_free);
   }
-  Eigen::VectorXd direction_of(const Eigen::RowVectorXd& law) const {
-    Eigen::VectorXd direction = Eigen::VectorXd::Zero(judged_.data.n_fixed());
-    direction.head(design_.n_law) = law.transpose();
-    return direction;
-  }
-  double eps(double v_mps) const {
-    return 1.0 + product(design_.law.jacobian(std::span(&v_mps, 1), law()), law())(0, 0);
-  }
-  Estimate eps_at(double v_mps, double more_variance = 0.0) const {
-    return estimate(eps(v_mps), direction_of(design_.law.jacobian(std::span(&v_mps, 1), law()).row(0)), more_variance);
-  }
-  /// Of a mean of recordings, of which one alone has the standard error `se_of_one`.
-  Estimate mean_of_recordings(double value, double variance, double se_of_one) const {
-    return student_estimate(value, variance, errors_.degrees_of_freedom_of_a_recording(se_of_one));
+  double eps() const { return design_.base + solution_.beta()[0]; }
+  Estimate eps(double more_variance) const {
+    return estimate(eps(), Eigen::VectorXd::Unit(judged_.data.n_fixed(), 0), more_variance);
   }
   /// Of one more recording as it is measured, on a plate and a day that may be any.
   double variance_of_a_recording() const {
@@ -143,8 +132,20 @@ class Pool {
     for (const double sd : judged_.deviations) sum += square(sd);
     return sum;
   }
-  Eigen::MatrixXd covariance() const { return factor_ * solution_.covariance(); }
   double degrees_of_freedom(const Eigen::VectorXd& direction) const { return errors_.degrees_of_freedom(direction); }
+  double deviation_of_plates() const {
+    return design_.plates.effect == GroupEffect::random ? judged_.deviations[design_.plate_grouping + 1] : 0.0;
+  }
+  double deviation_of_days() const {
+    return design_.days.effect == GroupEffect::random ? judged_.deviations[design_.day_grouping + 1] : 0.0;
+  }
+  /// 1/variance of a row but for what its plate and day share.
+  double weight(std::size_t k) const {
+    return 1.0 / (square(judged_.deviations[0]) + judged_.data.variance[static_cast<Eigen::Index>(k)]);
+  }
+  /// eps of a plate by the mean of its recordings, which the drift of all takes to the middle of the campaign; absent
+  /// where none of them is here.
+  std::optional<GroupRestitution> of_plate(const std::string& name) const;
 
  private:
   const Design& design_;
@@ -154,32 +155,33 @@ class Pool {
   double factor_ = 1.0;
 };
 
-void describe_law(BetweenRecordings& result, const Design& design, const Pool& pool) {
-  constexpr int kPoints = 60;
-  const LawModel& law = design.law;
-  const double spread = pool.variance_of_a_recording();
-  result.kind = law.kind;
-  result.v_mps = design.node_v_mps[design.node_v_mps.size() / 2];
-  result.eps = pool.eps_at(result.v_mps);
-  result.prediction95 = *pool.eps_at(result.v_mps, spread).ci95;
-  for (const double v : design.node_v_mps) result.nodes.push_back({v, pool.eps_at(v)});
-  const Eigen::VectorXd q = pool.law().array() + 1.0;
-  const Eigen::VectorXd values = law.reported(q);
-  const Eigen::MatrixXd rows = law.reported_jacobian(q);
-  const std::vector<std::string> names = law.names();
-  for (Eigen::Index i = 0; i < values.size(); ++i) {
-    Estimate a = pool.estimate(values[i], pool.direction_of(rows.row(i)));
-    a.identified = 3.0 * *a.se < std::abs(a.value);
-    result.parameters.push_back({names[static_cast<std::size_t>(i)], a});
+std::optional<GroupRestitution> Pool::of_plate(const std::string& name) const {
+  const Eigen::Index n_fixed = judged_.data.n_fixed();
+  Eigen::RowVectorXd mean = Eigen::RowVectorXd::Zero(n_fixed + 1);  // of the rows, and of their values last
+  GroupRestitution group{name, 0, design_.v_mps, {}, {}, {}};
+  double weights = 0.0;
+  std::map<int, double> of_day;
+  for (std::size_t k = 0; k < judged_.kept.size(); ++k) {
+    const auto row = static_cast<std::size_t>(judged_.kept[k]);
+    const int plate = design_.plates.of_recording[row];
+    if (plate < 0 || design_.plates.names[static_cast<std::size_t>(plate)] != name) continue;
+    mean += weight(k) * judged_.data.h_and_m.row(static_cast<Eigen::Index>(k));
+    weights += weight(k);
+    of_day[design_.days.of_recording[row]] += weight(k);
+    ++group.n;
   }
-  const Eigen::MatrixXd covariance = pool.covariance().topLeftCorner(design.n_law, design.n_law);
-  result.correlation = to_matrix(correlation_of(congruence(rows.transpose(), covariance)));
-  for (int k = 0; k < kPoints && !design.v_ends_mps.empty(); ++k) {
-    const double v = design.v_ends_mps[0] * pow(design.v_ends_mps[1] / design.v_ends_mps[0], k / (kPoints - 1.0));
-    const Estimate e = pool.eps_at(v);
-    result.curve.push_back({v, e.value, e.ci95, e.se});
-    result.curve_prediction95.push_back(*pool.eps_at(v, spread).ci95);
-  }
+  if (group.n == 0) return std::nullopt;
+  mean /= weights;
+  Eigen::VectorXd direction = Eigen::VectorXd::Zero(n_fixed);  // from the mean of the recordings to the middle
+  if (design_.has_drift) direction[n_fixed - 1] = -mean[n_fixed - 1];
+  double variance = 1.0 / weights + factor_ * congruence(direction, solution_.covariance())(0, 0);
+  for (const auto& [day, weight] : of_day) variance += square(deviation_of_days() * weight / weights);
+  const double value = design_.base + mean[n_fixed] + direction.dot(solution_.beta());
+  const double n_free = errors_.degrees_of_freedom_of_a_recording(std::sqrt(static_cast<double>(group.n) / weights));
+  group.eps = student_estimate(value, variance, n_free);
+  group.prediction95 =
+      student_estimate(value, variance + variance_of_a_recording() - square(deviation_of_plates()), n_free).ci95;
+  return group;
 }
 
 void describe_deviations(BetweenRecordings& result, const Design& design, const Judged& judged) {
@@ -193,28 +195,26 @@ void describe_deviations(BetweenRecordings& result, const Design& design, const 
   if (design.days.effect == GroupEffect::random) result.days.deviation = deviation(design.day_grouping + 1);
 }
 
-/// Of all recordings used, by one law without drift, groups and tau.
+/// Of all rows, by one eps without drift, groups and tau.
 ChiSquareTest heterogeneity_of(const Design& design) {
   OffsetData data = design.data;
-  OffsetData::Rows of_law(data.n(), design.n_law + 1);
-  of_law << data.h().leftCols(design.n_law), data.m();
-  data.h_and_m = of_law;
-  data.within = data.within.topLeftCorner(design.n_law, design.n_law).eval();
-  data.within_y = data.within_y.head(design.n_law).eval();
+  OffsetData::Rows of_eps(data.n(), 2);
+  of_eps << data.h().leftCols(1), data.m();
+  data.h_and_m = of_eps;
   data.n_levels = {0, 0};
   const OffsetSolution solution(data, {0.0, 0.0, 0.0});
   ChiSquareTest test;
   test.chi2 = std::max(0.0, solution.sum_of_squares());
-  test.ndf = static_cast<double>(data.n() - design.n_law) + design.within_rank;
+  test.ndf = static_cast<double>(data.n() - 1);
   test.p_value = chi2_survival(test.chi2, test.ndf);
   return test;
 }
 
-void describe_drift(BetweenRecordings& result, const Design& design, const Pool& pool) {
+void describe_drift(BetweenRecordings& result, const Design& design, const Pool& pool, const Drift& times) {
   if (!design.has_drift) return;
-  Drift drift = design.drift;
+  Drift drift = times;
   Eigen::VectorXd direction = Eigen::VectorXd::Zero(design.data.n_fixed());
-  direction[direction.size() - 1] = 1.0 / design.time_unit;
+  direction[direction.size() - 1] = 1.0 / (times.end - times.begin);
   drift.slope = pool.estimate(pool.solution().beta().dot(direction), direction);
   const double t = drift.slope.value / *drift.slope.se;
   drift.p_value = 2.0 * student_t_below(-std::abs(t), pool.degrees_of_freedom(direction));
@@ -229,18 +229,15 @@ void describe_days(BetweenRecordings& result, const Design& design, const Judged
   for (const std::string& name : names) rows.push_back({name});
   std::vector<double> weights(names.size(), 0.0);
   for (std::size_t k = 0; k < judged.kept.size(); ++k) {
-    const auto r = static_cast<Eigen::Index>(k);
     const auto row = static_cast<std::size_t>(judged.kept[k]);
     const int day = design.days.of_recording[row], plate = design.plates.of_recording[row];
     if (day < 0) continue;
-    double left = judged.data.m()[r] - judged.data.h().row(r).head(design.n_law).dot(beta.head(design.n_law)) -
-                  design.plate_constant(beta, plate);
+    double left = judged.data.m()[static_cast<Eigen::Index>(k)] - beta[0] - design.plate_constant(beta, plate);
     if (design.plates.effect == GroupEffect::random) left -= pool.solution().effect(design.plate_grouping, plate);
     const auto d = static_cast<std::size_t>(day);
-    const double weight = 1.0 / (square(judged.deviations[0]) + judged.data.variance[r]);
     ++rows[d].n;
-    rows[d].offset += weight * left;
-    weights[d] += weight;
+    rows[d].offset += pool.weight(k) * left;
+    weights[d] += pool.weight(k);
   }
   for (std::size_t d = 0; d < rows.size(); ++d) {
     rows[d].offset /= std::max(weights[d], 1e-300);
@@ -249,56 +246,56 @@ void describe_days(BetweenRecordings& result, const Design& design, const Judged
   std::erase_if(rows, [](const GroupRow& row) { return row.n == 0; });
 }
 
-/// eps of a plate by the mean of its recordings: the law of all takes it to the reference speed, the drift of all to
-/// the middle of the campaign.
-void describe_plate(BetweenRecordings& result, const Design& design, const Judged& judged, const Pool& pool,
-                    std::size_t plate) {
-  const Eigen::Index n_fixed = judged.data.n_fixed(), n_law = design.n_law;
-  const Eigen::VectorXd& beta = pool.solution().beta();
-  GroupRestitution group{design.plates.names[plate], 0, result.v_mps, {}, {}};
-  Eigen::RowVectorXd mean = Eigen::RowVectorXd::Zero(n_fixed + 1);  // of the rows, and of their values last
-  double weights = 0.0;
-  std::map<int, double> of_day;
-  for (std::size_t k = 0; k < judged.kept.size(); ++k) {
-    const auto row = static_cast<std::size_t>(judged.kept[k]);
-    if (design.plates.of_recording[row] != static_cast<int>(plate)) continue;
-    const auto r = static_cast<Eigen::Index>(k);
-    const double weight = 1.0 / (square(judged.deviations[0]) + judged.data.variance[r]);
-    mean += weight * judged.data.h_and_m.row(r);
-    weights += weight;
-    of_day[design.days.of_recording[row]] += weight;
-    ++group.n;
-  }
-  if (group.n == 0) return;
-  mean /= weights;
-  const Eigen::RowVectorXd law = design.law.jacobian(std::span(&result.v_mps, 1), pool.law()).row(0);
-  Eigen::VectorXd direction = Eigen::VectorXd::Zero(n_fixed);  // from the mean of the recordings to where eps is stated
-  direction.head(n_law) = (law - mean.head(n_law)).transpose();
-  if (design.has_drift) direction[n_fixed - 1] = -mean[n_fixed - 1];
-  double variance = 1.0 / weights + congruence(direction, pool.covariance())(0, 0), of_days = 0.0;
-  if (design.days.effect == GroupEffect::random) of_days = square(judged.deviations[design.day_grouping + 1]);
-  for (const auto& [day, weight] : of_day) variance += of_days * square(weight / weights);
-  const double value = pool.eps(result.v_mps) - law.dot(beta.head(n_law)) + mean[n_fixed] + direction.dot(beta);
-  const double of_plates =
-      design.plates.effect == GroupEffect::random ? square(judged.deviations[design.plate_grouping + 1]) : 0.0;
-  const double se_of_one = std::sqrt(static_cast<double>(group.n) / weights);
-  group.eps = pool.mean_of_recordings(value, variance, se_of_one);
-  group.prediction95 =
-      pool.mean_of_recordings(value, variance + pool.variance_of_a_recording() - of_plates, se_of_one).ci95;
-  result.plates.rows.push_back({group.name, group.n, value - result.eps.value, *group.eps.se});
-  result.of_plates.push_back(std::move(group));
-}
-
 void describe_rows(BetweenRecordings& result, const Design& design, const Judged& judged, const Pool& pool) {
-  const Eigen::VectorXd beta = pool.solution().beta().head(design.n_law);
   for (std::size_t k = 0; k < design.of_row.size(); ++k) {
     const auto r = static_cast<Eigen::Index>(k);
-    RecordingRow& row = result.rows[design.of_row[k]] = judged.rows[k];
-    row.is_used = true;
-    row.offset = design.data.m()[r] - design.data.h_and_m.row(r).head(design.n_law).dot(beta);
-    row.eps = result.eps.value + row.offset;
+    RecordingRow& row = result.rows[design.of_row[k]];
+    row = judged.rows[k];
+    row.eps = design.base + design.data.m()[r];
     row.se = std::sqrt(design.data.variance[r]);
+    row.offset = row.eps - pool.eps();
     result.n_outliers += row.is_outlier;
+  }
+}
+
+/// How many recordings reach each speed.
+std::map<double, std::size_t> reached_speeds(const std::vector<CampaignRecording>& recordings,
+                                             const std::vector<std::size_t>& used) {
+  std::map<double, std::size_t> n;
+  for (const std::size_t k : used)
+    for (const NodeEstimate& node : recordings[k].summary.nodes) ++n[node.v_mps];
+  return n;
+}
+
+/// What most recordings reach, and of several speeds the middle one.
+double reference_speed(const std::map<double, std::size_t>& reached) {
+  std::size_t most = 0;
+  std::vector<double> speeds;
+  for (const auto& [v_mps, n] : reached) {
+    if (n > most) speeds.clear(), most = n;
+    if (n == most) speeds.push_back(v_mps);
+  }
+  return speeds[speeds.size() / 2];
+}
+
+/// eps of all and of the plates at each speed, of the recordings that are no outliers.
+void describe_nodes(BetweenRecordings& result, const std::vector<CampaignRecording>& recordings,
+                    const std::vector<std::size_t>& used, const CampaignTimes& times) {
+  std::vector<std::size_t> kept;
+  for (const std::size_t k : used)
+    if (!result.rows[k].is_outlier) kept.push_back(k);
+  const std::map<double, std::size_t> reached = reached_speeds(recordings, kept);
+  const std::size_t fewest = std::max(kFewestPooled, (reached.at(result.v_mps) + 1) / 2);
+  for (const auto& [v_mps, n] : reached) {
+    if (n < fewest) continue;
+    const Design design = make_design(recordings, kept, times, v_mps);
+    if (design.data.n() <= design.data.n_fixed()) continue;
+    const Judged judged = fit::judged(design.data, std::vector<bool>(n, false));
+    const Pool pool(design, judged);
+    result.nodes.push_back({v_mps, n, pool.eps(0.0), *pool.eps(pool.variance_of_a_recording()).ci95});
+    if (!result.differences) continue;
+    for (GroupRestitution& group : result.differences->groups)
+      if (const auto here = pool.of_plate(group.name)) group.nodes.push_back({v_mps, here->eps});
   }
 }
 
@@ -313,55 +310,56 @@ BetweenRecordings compare_campaign(const std::vector<CampaignRecording>& recordi
   BetweenRecordings result;
   result.n_recordings = recordings.size();
   result.rows.resize(recordings.size());
-  for (const CampaignRecording& recording : recordings) {
-    if (recording.summary.status != FitStatus::ok) continue;
-    ++result.n_used;
-    result.n_samples += recording.summary.n;
+  std::vector<std::size_t> used;
+  for (std::size_t k = 0; k < recordings.size(); ++k) {
+    result.rows[k].why_not = recordings[k].summary.why;
+    if (recordings[k].summary.status == FitStatus::ok) used.push_back(k);
   }
+  const std::map<double, std::size_t> reached = reached_speeds(recordings, used);
+  if (!reached.empty()) {
+    result.v_mps = reference_speed(reached);
+    for (const std::size_t k : used)
+      if (!eps_at(recordings[k].summary, result.v_mps))
+        result.rows[k].why_not =
+            Note{NoteKind::speed_not_reached,
+                 {result.v_mps, recordings[k].summary.nodes.front().v_mps, recordings[k].summary.nodes.back().v_mps}};
+    std::erase_if(used, [&](std::size_t k) { return result.rows[k].why_not.has_value(); });
+  }
+  result.n_used = used.size();
+  for (const std::size_t k : used) result.n_samples += recordings[k].summary.n;
   if (result.n_used < kFewestPooled) {
     result.why = Note{NoteKind::too_few_recordings,
                       {static_cast<double>(result.n_used), static_cast<double>(result.n_recordings),
                        static_cast<double>(kFewestPooled)}};
     return result;
   }
-  const Design design = make_design(recordings);
-  if (design.data.n() < design.data.n_fixed() + 1) {
-    result.why = Note{NoteKind::undetermined_campaign, {static_cast<double>(result.n_used)}};
-    return result;
-  }
+  const CampaignTimes times = times_of(recordings, used);
+  const Design design = make_design(recordings, used, times, result.v_mps);
   const Judged judged = judge(design.data);
   const Pool pool(design, judged);
   result.status = FitStatus::ok;
-  result.notes = design.notes;
-  result.shapes = design.shapes;
+  result.notes = times.notes;
+  result.notes.insert(result.notes.end(), design.notes.begin(), design.notes.end());
+  result.eps = pool.eps(0.0);
+  result.prediction95 = *pool.eps(pool.variance_of_a_recording()).ci95;
   result.heterogeneity = heterogeneity_of(design);
-  describe_law(result, design, pool);
   describe_deviations(result, design, judged);
-  describe_drift(result, design, pool);
+  describe_drift(result, design, pool, times.drift);
   describe_days(result, design, judged, pool);
   describe_rows(result, design, judged, pool);
-  for (std::size_t plate = 0; plate < design.plates.names.size(); ++plate)
-    describe_plate(result, design, judged, pool, plate);
-  return result;
-}
-
-std::vector<GroupRestitution> differing_groups(const BetweenRecordings& between,
-                                               const std::optional<GroupDifferences>& differences) {
-  const std::vector<GroupRestitution>& plates = between.of_plates;
-  bool differ = false;
-  if (differences && !differences->rows.empty()) {
-    differ = std::any_of(differences->rows.begin(), differences->rows.end(),
-                         [](const GroupDifference& row) { return row.p_value.value_or(0.0) < kLevel; });
-  } else if (between.plates.deviation) {
-    differ = between.plates.deviation->ci95.lo > kLeastDeviation;
-  } else if (plates.size() > 1) {
-    constexpr double kApart = 3.0;  // standard errors: of six pairs one in 60
-    const auto [least, greatest] = std::minmax_element(
-        plates.begin(), plates.end(), [](const auto& a, const auto& b) { return a.eps.value < b.eps.value; });
-    differ = greatest->eps.value - least->eps.value > kApart * hypot(*greatest->eps.se, *least->eps.se);
+  GroupDifferences plates;
+  plates.unit = GroupUnit::recordings;
+  plates.ndf = static_cast<double>(judged.data.n() - judged.data.n_fixed());
+  for (const std::string& name : design.plates.names) {
+    auto group = pool.of_plate(name);
+    if (!group) continue;
+    result.plates.rows.push_back({name, group->n, group->eps.value - result.eps.value, *group->eps.se});
+    plates.groups.push_back(*std::move(group));
   }
-  if (!differ) return {};
-  return between.plates.effect == GroupEffect::none && differences ? differences->alone : plates;
+  if (design.plates.effect != GroupEffect::none && plates.groups.size() > 1) result.differences = std::move(plates);
+  describe_nodes(result, recordings, used, times);
+  if (result.differences) add_pairs(*result.differences);
+  return result;
 }
 
 }  // namespace bouncelab::fit

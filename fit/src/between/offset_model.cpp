@@ -59,12 +59,12 @@ OffsetSolution::OffsetSolution(const OffsetData& data, const Deviations& deviati
   u_[0] = inverse_.asDiagonal() * t[0] - product(shared_, u_[1]);
   for (std::size_t g = 0; g < 2; ++g)
     if (active_[g]) products -= transposed_product(t[g], u_[g]);
-  const Eigen::MatrixXd information = products.topLeftCorner(n_fixed, n_fixed) + data.within;
-  const Eigen::VectorXd right = products.topRightCorner(n_fixed, 1) + data.within_y;
+  const Eigen::MatrixXd information = products.topLeftCorner(n_fixed, n_fixed);
+  const Eigen::VectorXd right = products.topRightCorner(n_fixed, 1);
   double log_det_information = 0.0;
   covariance_ = inverse_of_positive(0.5 * (information + information.transpose()), log_det_information);
   beta_ = product(covariance_, right);
-  sum_of_squares_ = products(n_fixed, n_fixed) + data.within_yy - beta_.dot(right);
+  sum_of_squares_ = products(n_fixed, n_fixed) - beta_.dot(right);
   minus_two_log_likelihood_ = log_det_ + log_det_information + sum_of_squares_;
 }
 

@@ -10,29 +10,18 @@
 
 #include "bouncelab/fit/between_recordings.hpp"
 #include "bouncelab/fit/estimate.hpp"
-#include "law/law_model.hpp"
 
 namespace bouncelab::fit {
 
-/// Recordings as a mixed linear model. A recording r has values y_r at its node speeds, known but for errors of
-/// covariance S_r, and is off the common curve by a constant:
+/// Recordings at one speed as a mixed linear model:
 ///
-///   y_r = X_r beta + 1 (u_r + random effects of its groups) + e_r,   cov e_r = S_r,   var u_r = tau^2
+///   m_r = h_r' beta + u_r + random effects of its groups + e_r,   var e_r known,   var u_r = tau^2
 ///
-/// Because all that is random between recordings goes along 1, a recording is sufficiently described by one number
-///
-///   m_r = 1' S_r^-1 y_r / a_r,   a_r = 1' S_r^-1 1,   m_r = h_r' beta + u_r + ...,   error variance 1/a_r,
-///   h_r = X_r' S_r^-1 1 / a_r,
-///
-/// and by what the shape of its curve adds on beta whatever its offset, which is summed over all recordings:
-/// within = sum X_r' S_r^-1 X_r - a_r h_r h_r', and likewise for y. Nothing of size n x n is ever made.
+/// Nothing of size n x n is ever made.
 struct OffsetData {
   using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   Rows h_and_m;              ///< a row a recording: h_r', and m_r last
-  Eigen::VectorXd variance;  ///< 1/a_r
-  Eigen::MatrixXd within;    ///< information on beta from inside the recordings
-  Eigen::VectorXd within_y;
-  double within_yy = 0.0;
+  Eigen::VectorXd variance;  ///< of e_r
   /// Up to two groupings with a random effect for each of their levels; -1: none for this recording. Empty: no such
   /// grouping. The second has the fewer levels: its matrix is inverted.
   std::array<std::vector<int>, 2> level;
@@ -49,12 +38,6 @@ struct OffsetData {
   }
 };
 
-/// Of a recording's values.
-inline Eigen::MatrixXd covariance_of(const RecordingSummary& summary) {
-  const auto n = static_cast<Eigen::Index>(summary.n_nodes);
-  return Eigen::Map<const Eigen::Matrix3d>(summary.covariance.front().data()).topLeftCorner(n, n);
-}
-
 /// Standard deviations of the random effects: between recordings, and between the levels of the groupings.
 using Deviations = std::array<double, 3>;
 
@@ -70,7 +53,7 @@ class OffsetSolution {
   double minus_two_log_likelihood() const { return minus_two_log_likelihood_; }
   const Eigen::VectorXd& beta() const { return beta_; }
   const Eigen::MatrixXd& covariance() const { return covariance_; }
-  /// Weighted sum of squares of offsets and shapes about the fit.
+  /// Weighted sum of squares about the fit.
   double sum_of_squares() const { return sum_of_squares_; }
   /// Predicted effect of a level of a grouping.
   double effect(std::size_t grouping, int level) const;
@@ -143,30 +126,38 @@ struct GroupLabels {
   GroupEffect effect = GroupEffect::none;
 };
 
-/// The recordings used as rows of the model.
-struct Design {
-  std::vector<std::size_t> of_row;  ///< number of the recording
-  LawModel law;
-  std::vector<double> node_v_mps;  ///< at which the pooled law is reported
-  std::vector<double> v_ends_mps;  ///< of its curve; empty: one speed
-  Eigen::VectorXd base;            ///< of the law's coordinates: what the data's values are differences from
-  Eigen::Index n_law = 0;          ///< columns of the law: eps - 1 at its nodes
-  OffsetData data;                 ///< of all rows. Columns: law, contrasts of plates, drift
-  GroupLabels plates, days;        ///< of_recording by row
+/// When the recordings were made, along the campaign.
+struct CampaignTimes {
+  Drift drift;             ///< without the estimate
+  std::vector<double> of;  ///< of each recording, about the middle, in units of the campaign's length
   bool has_drift = false;
-  Drift drift;                                       ///< without the estimate
-  double time_unit = 1.0;                            ///< of the drift's column: days, or recordings, from begin to end
+  std::vector<Note> notes;
+};
+
+/// The recordings that reach one speed, as rows of the model.
+struct Design {
+  double v_mps = 0.0;
+  std::vector<std::size_t> of_row;  ///< number of the recording
+  double base = 0.0;                ///< of eps: what the rows' values are differences from
+  OffsetData data;                  ///< of all rows. Columns: 1, contrasts of plates, drift
+  GroupLabels plates, days;         ///< of_recording by row
+  bool has_drift = false;
   std::size_t plate_grouping = 0, day_grouping = 0;  ///< in data
-  ChiSquareTest shapes;
-  double within_rank = 0.0;
   std::vector<Note> notes;
 
   /// What a plate adds by the fixed effects. @param plate  -1: none
   double plate_constant(const Eigen::VectorXd& beta, int plate) const;
 };
 
-/// @param recordings  at least kFewestPooled of them with a law of their own
-Design make_design(const std::vector<CampaignRecording>& recordings);
+/// eps of a recording at a speed of comparison; nullptr where it does not reach it.
+const Estimate* eps_at(const RecordingSummary& summary, double v_mps);
+
+/// @param used  numbers of the recordings
+CampaignTimes times_of(const std::vector<CampaignRecording>& recordings, const std::vector<std::size_t>& used);
+
+/// @param used  numbers of the recordings; those that reach the speed are rows
+Design make_design(const std::vector<CampaignRecording>& recordings, const std::vector<std::size_t>& used,
+                   const CampaignTimes& times, double v_mps);
 
 /// Do the rows determine all columns?
 bool is_determined(const OffsetData& data);

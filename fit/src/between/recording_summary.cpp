@@ -1,96 +1,153 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bouncelab/fit/between_recordings.hpp"
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <optional>
 #include <regex>
 #include <set>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
-#include "between/offset_model.hpp"
+#include "between/speeds.hpp"
+#include "bouncelab/core/elementary.hpp"
+#include "bouncelab/core/numerics.hpp"
 #include "bouncelab/core/text.hpp"
 #include "bouncelab/fit/law_fit.hpp"
 #include "bouncelab/fit/restitution.hpp"
+#include "law/law_model.hpp"
 #include "numerics/numerics.hpp"
 
 namespace bouncelab::fit {
 namespace {
 
-constexpr std::size_t kDropsOfACovariance = 30;
+constexpr std::size_t kDropsOfACovariance = 30;  // a covariance of three values by M drops is wrong by about 3/M
 constexpr std::size_t kWidthKnown = 30;  // samples; below, fit_law takes one term of the scatter without a choice
 
-LawFitConfig config_of(const std::vector<double>& sorted_v_mps) {
+/// Which samples are outliers, and how the others scatter.
+LawFit scatter_about_law(const RestitutionSamples& samples, const std::pair<double, double>& speeds) {
   LawFitConfig config;
   config.intervals = IntervalMethod::covariance;
-  config.node_speeds_mps = spread_speeds(sorted_v_mps, 3);
-  if (sorted_v_mps.size() >= kWidthKnown) config.n_scatter_terms = 2;
-  // the twentieths at either end may hold stray speeds, as for fit_law
-  const std::size_t n = sorted_v_mps.size();
-  if (sorted_v_mps[n - 1 - n / 20] < kOneSpeed * sorted_v_mps[n / 20]) {
-    config.kind = LawKind::constant;
-    config.node_speeds_mps = {sorted_v_mps[n / 2]};
-  }
-  return config;
+  if (samples.size() >= kWidthKnown) config.n_scatter_terms = 2;
+  if (speeds.second < kOneSpeed * speeds.first) config.kind = LawKind::constant;
+  return fit_law(samples, config);
 }
 
-void take_nodes(RecordingSummary& summary, const LawFit& fit) {
-  summary.n_nodes = fit.nodes.size();
-  for (std::size_t i = 0; i < summary.n_nodes; ++i) {
-    summary.v_mps[i] = fit.nodes[i].v_mps;
-    summary.eps[i] = fit.nodes[i].eps.value;
-    for (std::size_t j = 0; j < summary.n_nodes; ++j) summary.covariance[i][j] = fit.node_covariance[i][j];
+/// eps - 1 = X q, by weighted least squares.
+struct Regression {
+  LawModel law;
+  Eigen::VectorXd q;
+  Eigen::MatrixXd covariance;
+};
+
+/// With as many powers of v as the speeds determine.
+/// @param weights  inverse variances
+std::optional<Regression> regression(const RestitutionSamples& samples, const Eigen::VectorXd& weights) {
+  constexpr double kDetermined = 1e-7;  // of the information, scaled: over a factor 1.5 of speed two powers
+  const std::vector<double> v_mps = speeds_of(samples);
+  Eigen::VectorXd y(weights.size());
+  for (std::size_t k = 0; k < samples.size(); ++k) y[static_cast<Eigen::Index>(k)] = samples[k].eps - 1.0;
+  for (const std::vector<int>& orders : {std::vector<int>{2, 4, 5}, std::vector<int>{2, 4}, std::vector<int>{2}}) {
+    LawModel law = make_law_model(LawKind::series, orders, v_mps);
+    const Eigen::MatrixXd x = law.jacobian(v_mps, Eigen::VectorXd::Ones(law.n_parameters()));
+    const Eigen::MatrixXd weighted = weights.asDiagonal() * x;
+    const Eigen::MatrixXd information = transposed_product(x, weighted);
+    if (!(scaled_eigenvalues(information).minCoeff() > kDetermined)) continue;
+    const Eigen::MatrixXd covariance = inverse(information);
+    const Eigen::VectorXd q = product(covariance, transposed_product(weighted, y));
+    DropNumbers drops;
+    std::vector<Eigen::VectorXd> scores;
+    for (std::size_t k = 0; k < samples.size(); ++k) {
+      const auto row = static_cast<Eigen::Index>(k);
+      const std::size_t drop = drops.of(samples[k]);
+      if (drop == scores.size()) scores.emplace_back(Eigen::VectorXd::Zero(q.size()));
+      scores[drop] += weighted.row(row).transpose() * (y[row] - x.row(row).dot(q));
+    }
+    const auto n_drops = static_cast<double>(scores.size());
+    if (scores.size() < kDropsOfACovariance) return Regression{std::move(law), q, covariance};
+    Eigen::MatrixXd squares = Eigen::MatrixXd::Zero(q.size(), q.size());
+    for (const Eigen::VectorXd& score : scores) squares += score * score.transpose();
+    return Regression{std::move(law), q, n_drops / (n_drops - 1.0) * congruence(covariance, squares)};
   }
+  return std::nullopt;
+}
+
+/// Numbers of the speeds of comparison nearest to the slowest and the fastest.
+std::pair<int, int> comparison_speeds(const std::pair<double, double>& speeds) {
+  return {static_cast<int>(std::lround(10.0 * log10(speeds.first))),
+          static_cast<int>(std::lround(10.0 * log10(speeds.second)))};
 }
 
 }  // namespace
+
+double comparison_speed_mps(int k) {
+  static constexpr double kSeries[]{1.0, 1.25, 1.6, 2.0, 2.5, 3.15, 4.0, 5.0, 6.3, 8.0};
+  const int place = (k % 10 + 10) % 10;
+  double v_mps = kSeries[place];
+  for (int decade = (k - place) / 10; decade != 0; decade += decade < 0 ? 1 : -1)
+    v_mps = decade < 0 ? v_mps / 10.0 : v_mps * 10.0;
+  return v_mps;
+}
+
+std::vector<double> speeds_of_comparison(const RestitutionSamples& samples) {
+  std::vector<double> v_mps = speeds_of(samples);
+  std::sort(v_mps.begin(), v_mps.end());
+  const std::size_t n = v_mps.size();
+  // the twentieths at either end may hold stray speeds
+  const auto [first, last] = comparison_speeds({v_mps[n / 20], v_mps[n - 1 - n / 20]});
+  std::vector<double> speeds;
+  for (int k = first; k <= last; ++k) speeds.push_back(comparison_speed_mps(k));
+  return speeds;
+}
 
 RecordingSummary summarize_recording(const RestitutionSamples& samples) {
   RecordingSummary summary;
   summary.recording = samples.front().recording;
   LeftOut left_out;
-  RestitutionSamples used = *usable_samples(samples, left_out);
-  summary.n_left_out = samples.size() - used.size();
-  summary.n = used.size();
+  const PartOfSamples usable = usable_samples(samples, left_out);
+  summary.n_left_out = samples.size() - usable->size();
+  summary.n = usable->size();
   std::set<std::int64_t> drops;
-  std::vector<double> v_mps;
-  for (const RestitutionSample& s : used) {
-    drops.insert(s.drop);
-    v_mps.push_back(s.v_mps);
-  }
+  for (const RestitutionSample& s : *usable) drops.insert(s.drop);
   summary.n_drops = drops.size();
-  if (used.size() < kFewestOfASummary) {
+  if (summary.n < kFewestOfASummary) {
     summary.why =
-        Note{NoteKind::too_few_samples, {static_cast<double>(used.size()), static_cast<double>(kFewestOfASummary)}};
+        Note{NoteKind::too_few_samples, {static_cast<double>(summary.n), static_cast<double>(kFewestOfASummary)}};
     return summary;
   }
-  if (drops.size() < kDropsOfACovariance)
-    for (RestitutionSample& s : used) s.drop = 0;
-  std::sort(v_mps.begin(), v_mps.end());
-  const LawFit fit = fit_law(used, config_of(v_mps));
-  summary.n = fit.n;
+  const std::vector<double> speeds = speeds_of_comparison(*usable);
+  const LawFit fit = scatter_about_law(*usable, {speeds.front(), speeds.back()});
+  const PartOfSamples kept(*usable, fit.outliers);
+  summary.n = kept->size();
   summary.n_outliers = fit.outliers.size();
-  summary.status = fit.status == FitStatus::not_identifiable ? FitStatus::ok : fit.status;  // the curve is known
-  if (summary.status != FitStatus::ok) {
-    summary.why = fit.why;
-    return summary;
+  summary.status = FitStatus::not_identifiable;
+  summary.why = fit.why ? fit.why : Note{NoteKind::no_error_of_law};
+  if (!fit.scatter) return summary;
+  Eigen::VectorXd weights(static_cast<Eigen::Index>(kept->size()));
+  for (std::size_t k = 0; k < kept->size(); ++k) {
+    const RestitutionSample& s = (*kept)[k];
+    weights[static_cast<Eigen::Index>(k)] = 1.0 / (fit.scatter->variance(s.v_mps) + square(s.sigma_eps.value_or(0.0)));
   }
-  const auto known = [](const NodeEstimate& node) { return node.eps.se && *node.eps.se > 0.0; };
-  if (fit.nodes.empty() || !std::all_of(fit.nodes.begin(), fit.nodes.end(), known)) {
-    summary.status = FitStatus::not_identifiable;
-    summary.why = fit.why ? fit.why : Note{NoteKind::no_error_of_law};
-    return summary;
+  const std::optional<Regression> found = weights.allFinite() ? regression(*kept, weights) : std::nullopt;
+  if (!found) return summary;
+  const Eigen::MatrixXd rows = found->law.jacobian(speeds, found->q);
+  for (std::size_t k = 0; k < speeds.size(); ++k) {
+    const Eigen::VectorXd row = rows.row(static_cast<Eigen::Index>(k)).transpose();
+    const double variance = congruence(row, found->covariance)(0, 0);
+    if (!(variance > 0.0)) return summary;
+    summary.nodes.push_back(
+        {speeds[k], normal_estimate(hypot(1.0 + row.dot(found->q), std::sqrt(fit.scatter->variance(speeds[k]))),
+                                    std::sqrt(variance))});
   }
-  take_nodes(summary, fit);
-  if (!cholesky(covariance_of(summary))) {  // by whose inverse the values are weighted
-    summary.status = FitStatus::not_identifiable;
-    summary.why = Note{NoteKind::errors_tied};
-  }
-  if (fit.scatter) summary.scatter = fit.scatter->mean_distance(v_mps[v_mps.size() / 2]);
+  summary.status = FitStatus::ok;
+  summary.why.reset();
+  summary.scatter = fit.scatter->mean_distance(speeds[speeds.size() / 2]);
   return summary;
 }
 
@@ -176,15 +233,16 @@ Table to_table(const BetweenRecordings& between, const std::vector<CampaignRecor
   const auto texts = [&](auto&& of) { return column_of(std::string(), of); };
   const auto counts = [&](auto&& of) { return column_of(std::int64_t{}, of); };
   const auto reals = [&](auto&& of) {
-    return column_of(0.0, [&](std::size_t k) { return between.rows[k].is_used ? of(k) : kNotKnown; });
+    return column_of(0.0, [&](std::size_t k) { return between.rows[k].why_not ? kNotKnown : of(k); });
   };
   const auto& rows = between.rows;
   const auto summary = [&](std::size_t k) -> const RecordingSummary& { return recordings[k].summary; };
   const auto of_group = [&](auto&& of) {
     return column_of(0.0, [&](std::size_t k) {
-      const std::string &plate = recordings[k].origin.plate, &name = plate.empty() ? summary(k).recording : plate;
-      for (const GroupRestitution& group : between.groups)
-        if (group.name == name || (plate.empty() && name.ends_with("/" + group.name))) return of(group);
+      const std::string &plate = recordings[k].origin.plate, &name = summary(k).recording;
+      if (between.groups_differ())
+        for (const GroupRestitution& group : between.differences->groups)
+          if (group.name == plate || group.name == name || name.ends_with("/" + group.name)) return of(group);
       return kNotKnown;
     });
   };
@@ -213,7 +271,7 @@ Table to_table(const BetweenRecordings& between, const std::vector<CampaignRecor
                  of_group([&](const GroupRestitution& g) { return g.prediction95 ? g.prediction95->hi : kNotKnown; })},
                 {"outlier", counts([&](std::size_t k) { return rows[k].is_outlier; })},
                 {"message", texts([&](std::size_t k) {
-                   return summary(k).why ? std::string(to_string(summary(k).why->kind)) : std::string();
+                   return rows[k].why_not ? std::string(to_string(rows[k].why_not->kind)) : std::string();
                  })}}};
 }
 

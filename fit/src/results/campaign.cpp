@@ -9,35 +9,10 @@ namespace bouncelab::fit {
 
 namespace {
 
-Object pooled_law(const BetweenRecordings& between) {
-  using B = BetweenRecordings;
-  static constexpr Member law[]{
-      member<&B::kind>("kind", "`series`, `viscoelastic` or `constant`"), estimates_by_name<&B::parameters>(),
-      member<&B::correlation>("correlation", "Matrix by rows"),
-      member<&B::nodes>("nodes", "ε of the law at some speeds: `[{v_mps, eps, se, ci95}]`"),
-      computed(
-          "curve",
-          [](const B& b) {
-            Values points;
-            for (std::size_t k = 0; k < b.curve.size(); ++k) {
-              Object point = object_of(b.curve[k]);
-              point.emplace_back("prediction95", as_value(b.curve_prediction95[k]));
-              points.push_back(std::move(point));
-            }
-            return points;
-          },
-          "`[{v_mps, eps, lo95, hi95}]`, with the interval in which one more recording is expected")};
-  return object_of(law, &between);
-}
-
 /// What is one for all only where groups are not seen to differ.
 template <auto Member>
 auto if_one(const BetweenRecordings& b) {
-  return b.groups.empty() ? std::optional(std::invoke(Member, b)) : std::nullopt;
-}
-
-std::optional<ChiSquareTest> shapes_where_tested(const BetweenRecordings& b) {
-  return b.shapes.ndf > 0.0 ? std::optional(b.shapes) : std::nullopt;
+  return b.groups_differ() ? std::nullopt : std::optional(std::invoke(Member, b));
 }
 
 }  // namespace
@@ -57,14 +32,14 @@ Description members_of(const Drift*) {
                                 member<&D::p_value>("p_value", "p"),
                                 member<&D::begin>("begin", "Days since 1970-01-01, or the number of the recording"),
                                 member<&D::end>("end", "Likewise"),
-                                member<&D::middle>("middle", "Likewise; the pooled law belongs to it")};
+                                member<&D::middle>("middle", "Likewise; the pooled ε belongs to it")};
   return all;
 }
 
 Description members_of(const GroupRow*) {
   static constexpr Member all[]{member<&GroupRow::name>("name", "The plate or the day"),
                                 member<&GroupRow::n>("n", "Recordings"),
-                                member<&GroupRow::offset>("offset", "Mean offset from the pooled law"),
+                                member<&GroupRow::offset>("offset", "Mean offset from the pooled ε at `v_mps`"),
                                 member<&GroupRow::se>("se", "Its standard error")};
   return all;
 }
@@ -78,8 +53,9 @@ Description members_of(const GroupRestitution*) {
       member<&G::eps>("eps", "ε there, an estimate, by the recordings of this group"),
       member<&G::prediction95>(
           "prediction95",
-          "Where ε of one more recording of this group (of single recordings: drop) is expected to be measured; "
-          "`null`: there is one in each")};
+          "Where ε of one more recording of this group (of single recordings: drop) is expected to be measured there; "
+          "`null`: there is one in each"),
+      member<&G::nodes>("nodes", "ε at each speed of comparison that the group reaches: `[{v_mps, eps, se, ci95}]`")};
   return all;
 }
 
@@ -94,45 +70,47 @@ Description members_of(const Grouping*) {
   return all;
 }
 
+Description members_of(const CampaignNode*) {
+  using N = CampaignNode;
+  static constexpr Member all[]{
+      member<&N::v_mps>("v_mps", "A speed of comparison: 0.5, 0.63, 0.8, 1, 1.25 m/s and so on, ten a decade (ISO 3)"),
+      member<&N::n>("n", "Recordings that reach it, outliers left out"), member<&N::eps>("eps", "ε there, an estimate"),
+      member<&N::prediction95>("prediction95", "Where ε of one more recording is expected to be measured there")};
+  return all;
+}
+
 Description members_of(const BetweenRecordings*) {
   using B = BetweenRecordings;
   static constexpr Member all[]{
       member<&B::n_recordings>("n_recordings", "Recordings"),
-      member<&B::n_used>("n_used", "Those with a law of their own, outliers among them"),
+      member<&B::n_used>("n_used", "Those compared, outliers among them"),
       member<&B::n_samples>("n_samples", "Their samples"),
-      where_ok<&B::v_mps>("v_mps", "The reference speed"),
+      where_ok<&B::v_mps>("v_mps",
+                          "The speed at which they are compared: that which most of them reach, and of several the "
+                          "middle one. All that follows is at this speed but for `nodes`"),
       where_ok<if_one<&B::eps>>(
           "eps",
-          "ε of the pooled law there, an estimate whose error includes what differs between recordings, in the "
-          "middle of the campaign; `null` where `groups` has some"),
+          "ε of all, an estimate whose error includes what differs between recordings, in the middle of the campaign; "
+          "`null` where groups differ"),
       where_ok<if_one<&B::prediction95>>(
           "prediction95",
           "Where ε of one more recording is expected to be measured, with such errors as the others have; likewise"),
-      member<&B::groups>("groups", "ε of each where plates, or a few recordings, differ; else empty; see below"),
+      where_ok<if_one<&B::nodes>>("nodes",
+                                  "The same at each speed that half as many recordings reach, or more; see below; "
+                                  "likewise"),
       where_ok<&B::tau>(
           "tau",
           "`value`, `ci95`: standard deviation of ε between recordings, of one plate and day where these have "
           "one, beyond the recordings' own errors; `ci95` by profile likelihood"),
       where_ok<&B::heterogeneity>("heterogeneity",
                                   "`chi2`, `ndf`, `p_value`: whether the recordings (outliers too) differ at all"),
-      where_ok<shapes_where_tested>(
-          "shapes", "The same: whether their curves differ by more than a constant (`null`: one speed)"),
       member<&B::drift>("drift", "`null`, or ε over the campaign, see below"),
-      where_ok<if_one<pooled_law>>(
-          "law",
-          "`kind`, `parameters` and an estimate of each, `correlation`, `nodes`, `curve` as of a fit; `curve` "
-          "with `prediction95`; `null` where `groups` has some"),
       member<&B::plates>("plates", "Groups by plate, with the drift taken out"),
-      member<&B::days>("days", "Groups by day, with the plates taken out")};
-  return all;
-}
-
-Description members_of(const GroupLaw*) {
-  using G = GroupLaw;
-  static constexpr Member all[]{
-      member<&G::name>("name", "The plate or the recording"), member<&G::n>("n", "Samples fitted"),
-      member<&G::n_units>("n_units", "Drops or recordings, see `unit`"),
-      member<&G::nodes>("nodes", "ε of the law at speeds that all groups share"), estimates_by_name<&G::parameters>()};
+      member<&B::days>("days", "Groups by day, with the plates taken out"),
+      member<&B::differences>(
+          "differences",
+          "`null`, or by what plates (where some have several recordings), else two to four recordings "
+          "differ; see below")};
   return all;
 }
 
@@ -141,29 +119,29 @@ Description members_of(const GroupDifference*) {
   static constexpr Member all[]{
       member<&D::reference>("reference", "A group"),
       member<&D::group>("group", "Another; all is of it less the reference"),
-      member<&D::offset>("offset", "Estimate of the difference of ε, as a constant at all speeds"),
-      member<&D::detectable>("detectable", "A difference that such data show in four of five experiments"),
-      member<&D::p_value>(
-          "p_value",
-          "Of so large an offset by chance, if the groups differ as their units do; times the number of pairs; "
-          "`null`: one unit in each"),
-      member<&D::nodes>("nodes", "Differences of ε at the nodes, as of a law"),
-      estimates_by_name<&D::parameters>()};
+      member<&D::v_mps>("v_mps", "Speed"),
+      member<&D::eps>("eps", "Estimate of the difference of ε there"),
+      member<&D::detectable>("detectable", "A difference there that such data show in four of five experiments"),
+      member<&D::p_value>("p_value",
+                          "Of so large a difference there by chance, if the groups differ as their units do; times the "
+                          "number of pairs; "
+                          "`null`: one unit in each"),
+      member<&D::nodes>("nodes", "The difference at each speed that both reach: `[{v_mps, eps, se, ci95}]`")};
   return all;
 }
 
 Description members_of(const GroupDifferences*) {
   using D = GroupDifferences;
   static constexpr Member all[]{
+      member<&D::differ>("differ",
+                         "Some pair has p < 0.05, or none has a p: each group has its own ε, and there is none of all"),
       computed(
           "unit", [](const D& d) { return to_string(d.unit); },
-          "By what differs within a group differences are judged: `recordings` where a group has several, else "
+          "By what differs within a group differences are judged: `recordings` where a plate has several, else "
           "`drops`"),
-      member<&D::ndf>("ndf",
-                      "Degrees of freedom of Student's t: units less groups; 0: not known, errors are those of "
-                      "independent samples"),
-      member<&D::deviation>("deviation", "Standard deviation of ε between units of a group, beyond the scatter"),
-      member<&D::groups>("groups", "The law of each, see below"), member<&D::rows>("rows", "Every pair, see below")};
+      member<&D::ndf>("ndf", "Degrees of freedom of Student's t; 0: how units of a group differ is not known"),
+      member<&D::groups>("groups", "ε of each, see below"),
+      member<&D::rows>("rows", "Every pair of up to four groups, see below")};
   return all;
 }
 

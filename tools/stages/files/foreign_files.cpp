@@ -129,6 +129,38 @@ TableReader open_samples(const fs::path& path, const ForeignOptions& options, st
   return TableReader(std::move(taken.table));
 }
 
+std::vector<std::string> one_a_kind(const std::vector<std::string>& taken_for) {
+  constexpr std::size_t kMostNamed = 3;
+  constexpr std::string_view kColon = ": ";
+  struct Kind {
+    std::string what;
+    std::vector<std::string> files, lines;
+  };
+  std::vector<Kind> kinds;
+  for (const std::string& line : taken_for) {
+    const std::size_t file_end = std::min(line.find(kColon), line.size());
+    const std::string what = line.substr(file_end, std::max(line.rfind(kColon), file_end) - file_end);
+    auto kind = std::find_if(kinds.begin(), kinds.end(), [&](const Kind& one) { return one.what == what; });
+    if (what.empty() || kind == kinds.end()) kind = kinds.insert(kinds.end(), {what, {}, {}});
+    kind->files.push_back(line.substr(0, file_end));
+    kind->lines.push_back(line);
+  }
+  std::vector<std::string> lines;
+  for (const Kind& kind : kinds) {
+    const std::size_t n = kind.files.size();
+    if (n == 1) {
+      lines.push_back(kind.lines.front());
+      continue;
+    }
+    std::string files;
+    for (std::size_t k = 0; k < std::min(n, kMostNamed); ++k)
+      files += (k == 0 ? "" : k + 1 == n ? " and " : ", ") + kind.files[k];
+    if (n > kMostNamed) files += " and " + std::to_string(n - kMostNamed) + " more";
+    lines.push_back(files + kind.what);
+  }
+  return lines;
+}
+
 bool holds_speeds(const fs::path& path, const ForeignOptions& options) {
   if (options.tells_speeds()) return true;
   if (options.tells() || !may_be_foreign(path)) return false;

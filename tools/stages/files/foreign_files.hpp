@@ -42,6 +42,10 @@ Onsets read_onsets(const std::filesystem::path& path, const ForeignFileOptions& 
 TableReader open_samples(const std::filesystem::path& path, const ForeignOptions& options,
                          std::vector<std::string>& taken_for);
 
+/// Lines of what files were taken for, those of files that were taken for the same made one: "a.csv, b.csv, c.csv and
+/// 22 more: times in s (column 't (s)', ',' between)". What was counted in each is left out then.
+std::vector<std::string> one_a_kind(const std::vector<std::string>& taken_for);
+
 /// Does a table hold speeds, with coefficients of restitution or with the speeds after the bounces, rather than times?
 /// By --columns, our own titles, or units of speed and none of time or length.
 bool holds_speeds(const std::filesystem::path& path, const ForeignOptions& options);

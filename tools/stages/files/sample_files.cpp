@@ -162,13 +162,13 @@ RestitutionSamples read_sample_files(const std::vector<fs::path>& paths, int n_t
 void for_each_recording(const std::vector<fs::path>& files, int n_threads, const std::string& columns,
                         std::vector<Note>& notes, const TakeRecording& take) {
   RecordingNames names;
+  std::vector<std::string> taken_for;
   for (const fs::path& file : each_once(files, n_threads, "samples", notes)) {
     names.begin(file);
-    std::vector<std::string> taken_for;
     cut_file(file, columns, names, taken_for, take);
-    for (std::string& what : taken_for) notes.push_back({NoteKind::of_file, {}, std::move(what)});
     names.end(notes);
   }
+  for (std::string& what : one_a_kind(taken_for)) notes.push_back({NoteKind::of_file, {}, std::move(what)});
 }
 
 loop::Origins read_groups(const fs::path& path) {

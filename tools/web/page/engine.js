@@ -45,6 +45,12 @@ export class Engine {
   /// A message without one.
   tell(message, transfer = []) { this.worker.postMessage(message, transfer); }
 
+  /// For good.
+  stop() {
+    this.alive = false;
+    this.restart('');
+  }
+
   restart(why) {
     this.worker.terminate();
     for (const task of this.waiting.values()) task.reject(new Trouble(why || 'Cancelled.'));

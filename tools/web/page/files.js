@@ -11,6 +11,15 @@ const kMostSeconds = 1800;
 /// Rates that every browser's decoder has to take (Web Audio 1.1, 1.7); where the header does not say, 48 kHz.
 const allowedRate = rate => rate >= 8000 && rate <= 96000;
 
+/// What people choose by mistake, by the first bytes.
+const kOthers = [[/^%PDF/, 'a PDF'], [/^(\s*(<\?xml[^>]*>\s*)?<svg|\xff\xd8\xff|\x89PNG|GIF8|RIFF....WEBP|....ftyp(heic|heix|mif1|avif))/s, 'a picture'], [/^PK\x03\x04/, 'an archive or a document (ZIP, Excel, Word)'], [/^(\xd0\xcf\x11\xe0|\{\\rtf)/, 'a document'], [/^\s*<(!doctype )?html/i, 'a web page']];
+
+/// Throws what to do where the file is neither sound nor a table.
+function refuseOthers(bytes, name) {
+  const head = String.fromCharCode(...bytes.subarray(0, 64)), other = kOthers.find(([begin]) => begin.test(head));
+  if (other) throw new Trouble(`${name} is ${other[1]}: please choose the recording itself (sound or video), or save the table with the times or heights as CSV and choose that. Few numbers can be typed.`);
+}
+
 /// @param isTable  it is not sound
 /// @returns {bytes} for our own reader, with `refused`, what to say if that cannot read them either, or {channels: [Float32Array], rate_hz, format, lossy: the coding, note}
 export async function readFile(file, isTable) {
@@ -24,6 +33,7 @@ export async function readFile(file, isTable) {
     throw new Trouble(`${file.name} cannot be read; is it a folder, or was it moved?`);
   }
   if (isTable) return {bytes, isTable};
+  refuseOthers(bytes, file.name);
   return isOurs(bytes) ? {bytes} : decoded(bytes, file.name);
 }
 

@@ -4,6 +4,7 @@ import {Engine} from './engine.js';
 import {acceptFiles, readFile} from './files.js';
 import {Microphone} from './microphone.js';
 import {Settings} from './settings.js';
+import {Survey} from './survey.js';
 import {SoundSection} from './sound_section.js';
 import {Trouble, checkBrowser, plain, say, sayTrouble, working} from './trouble.js';
 import {drawDistributions, drawLaw, showAnswer} from './result.js';
@@ -13,13 +14,21 @@ import {hideQuestion, showQuestion} from './question.js';
 import {scatterOptions, showClosedLoop, showScatter, simulateOptions, trueCurve} from './simulate.js';
 
 const $ = id => document.getElementById(id);
-let open = null;        // what is on the page: {stem, rate_hz, wav, simulated}, of times {stem, reading}
+let open = null;        // what is on the page: {stem, rate_hz, wav, simulated}, of times {stem, reading}; given: the fields it was computed with, isHeard: its marks are on the page
 let section = null;     // the sound and its marks
 let refitting = false, wanted = null;
+
+/// The answer that is shown is not, or not any more, that of what is given now.
+function outdated(is) {
+  $('result').classList.toggle('stale', is);
+  $('result').classList.toggle('outdated', is);
+  $('outdated').hidden = !is;
+}
 
 let turn = 0;           // counts the sounds that were begun: what belongs to an earlier one is not shown any more
 let works = 0;
 let microphone, engine;
+const survey = new Survey($('recordings'), () => settings.options(), file => takeFile(file));
 
 /// Work on the sound that is begun, or on the one that is open. Cancel is offered after a second.
 async function work(action, begins = false) {
@@ -30,7 +39,10 @@ async function work(action, begins = false) {
   try {
     await action(stays);
   } catch (error) {
-    if (mine === turn && error !== null) sayTrouble(error);
+    if (mine === turn && error !== null) {
+      outdated(true);
+      sayTrouble(error);
+    }
   }
   clearTimeout(offer);
   if (--works) return;
@@ -38,14 +50,23 @@ async function work(action, begins = false) {
   working(false);
 }
 
-const settings = new Settings(() => { if (open?.times) work(showTimes); else if (open && section) refit(section.marks.list); });
+const settings = new Settings(() => {
+  if (open?.times) work(showTimes);
+  else if (open?.isHeard) refit(section.marks.list);  // before, the marks are those of another sound
+  survey.again();
+}, () => outdated(open?.given !== settings.given()));
 /// A simulated ball and plate are known.
-const optionsNow = () => ({...settings.options(), ...open.simulated?.known});
+function optionsNow() {
+  const options = {...settings.options(), ...open.simulated?.known};
+  open.given = settings.given();
+  return options;
+}
 
 /// Yields to the browser: what comes before it is shown, and no task is long.
 const breath = () => new Promise(resolve => setTimeout(resolve, 0));
 
 async function show(result) {
+  outdated(false);
   showAnswer(result);
   await breath();
   drawLaw(result, trueCurve(open.simulated?.law));
@@ -66,12 +87,14 @@ async function analyze(stays) {
   await breath();
   if (!section) section = new SoundSection($('sound'), marks => refit(marks));
   section.load(result.mono, result.envelope, open.rate_hz, result.marks);
+  open.isHeard = true;
   await breath();
   await show(result);
   const seconds = `${open.note ? open.note + ' ' : ''}${number(open.duration_s, 3)} s of sound at ${number(open.rate_hz)} Hz, ${open.format}; computed in ${number(result.seconds, 2)} s.`;
   say(open.said ? `${open.said}${seconds}` : seconds);
   showFirst();
   document.dispatchEvent(new CustomEvent('bouncelab-result', {detail: {seconds: result.seconds, n_marks: result.marks.length}}));
+  if (open.given !== settings.given()) refit(section.marks.list);  // told meanwhile
 }
 
 /// A file of times has no sound to be shown.
@@ -104,7 +127,7 @@ async function refit(marks) {
   wanted = marks;
   if (refitting) return;
   refitting = true;
-  $('answer').classList.add('stale');
+  $('result').classList.add('stale');
   await work(async stays => {
     while (wanted) {
       const now = wanted;
@@ -116,7 +139,6 @@ async function refit(marks) {
   });
   wanted = null;
   refitting = false;
-  $('answer').classList.remove('stale');
   document.dispatchEvent(new CustomEvent('bouncelab-refit'));
 }
 
@@ -158,19 +180,10 @@ function takeFile(file, reading) {
   }, true);
 }
 
-/// Several files: the first at once, the others by their names.
+/// Several files: the first at once, all in a table, others by their names there.
 function takeFiles(files, reading) {
   if (!files.length) return;
-  const list = $('recordings');
-  list.hidden = files.length < 2;
-  list.replaceChildren(...files.map((file, k) => {
-    const button = element('button', {type: 'button', 'aria-pressed': String(k === 0)}, file.name);
-    button.addEventListener('click', () => {
-      for (const other of list.children) other.setAttribute('aria-pressed', String(other === button));
-      takeFile(file);
-    });
-    return button;
-  }));
+  survey.begin(files.length > 1 ? files : []);
   microphone.close();
   panel(null);
   takeFile(files[0], reading);
@@ -194,7 +207,7 @@ async function simulate() {
     say('Dropping the ball …');
     const options = simulateOptions(settings), simulated = await engine.run({task: 'simulate', options});
     simulated.known = {ball: options.ball, plate: options.plate, gravity: 9.81};
-    $('recordings').hidden = true;
+    survey.begin([]);
     await openSound(simulated, {simulated, wav}, stays);
     section.playAll();
     const {theory} = await engine.run({task: 'scatter', options: scatterOptions(options)});
@@ -207,7 +220,7 @@ async function recorded(why, warnings) {
   await work(async stays => {
     const name = `recording-${new Date().toISOString().slice(0, 19).replace(/:/g, '')}.wav`;
     const summary = await engine.run({task: 'live-end', name, warnings});
-    $('recordings').hidden = true;
+    survey.begin([]);
     await openSound(summary, {said: why, wav}, stays);
   }, true);
 }
@@ -226,10 +239,14 @@ function start() {
     $('version').textContent = `bouncelab ${started.version}`;
     keepOffline();
   }).catch(sayTrouble);
-  microphone = new Microphone(engine, settings, clear, recorded);
+  microphone = new Microphone(engine, settings, () => { survey.begin([]); clear(); }, recorded);
   microphone.onTrouble = sayTrouble;
   acceptFiles($('way-file'), $('file'), takeFiles);
-  acceptNumbers(takeFiles);
+  acceptNumbers(takeFiles, () => outdated(Boolean(open?.typed)), error => {
+    outdated(true);
+    sayTrouble(error);
+  });
+  $('simulate').addEventListener('input', () => outdated(Boolean(open?.simulated)));
   $('way-microphone').addEventListener('click', () => { panel('microphone'); if ($('microphone').hidden) microphone.close(); });
   $('way-simulate').addEventListener('click', () => { panel('simulate'); microphone.close(); });
   $('simulate-run').addEventListener('click', simulate);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Numbers from paper. They go the way of a table: its reader takes them apart. (element: report's text.js)
-import {Trouble, sayTrouble} from './trouble.js';
+import {Trouble} from './trouble.js';
 
 const $ = id => document.getElementById(id);
 
@@ -24,8 +24,9 @@ function reading(text) {
   return {columns};
 }
 
-/// @param take  is given a list of one file, and the options that tell how it is read
-export function acceptNumbers(take) {
+/// @param take  is given a list of one file, and the options that tell how it is read; @param changed  is called when
+///              other numbers are typed; @param refuse  is given why what is typed is none
+export function acceptNumbers(take, changed, refuse) {
   const show = () => {
     const {units, example, says} = kKinds[$('numbers-as').value];
     $('numbers-unit').replaceChildren(...(units ? options(['', ...units]) : options(['m/s'])));  // what is not given is asked, unless the numbers prove it
@@ -35,12 +36,13 @@ export function acceptNumbers(take) {
   $('numbers-as').append(...options(Object.keys(kKinds)));
   $('numbers-as').addEventListener('change', show);
   show();
+  $('typed').addEventListener('input', changed);
   $('numbers-run').addEventListener('click', () => {
     const text = $('numbers').value;
     try {
       take([new File([text], 'numbers')], reading(text));
     } catch (error) {
-      sayTrouble(error);
+      refuse(error);
       $('numbers').focus();
     }
   });

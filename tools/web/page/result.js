@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What was found: the answer in sentences, ε(v), distributions, notes. (explanations, sourceOfErrors, answerCurve, causesBox, number, element: report's answer.js, text.js)
+// What was found: the answer in sentences, ε(v), distributions, notes. (explanations, sentencesOf, pointsCaption, answerCurve, causesBox, number, element: report's answer.js, text.js)
 import {drawPicture, paddedRange} from './picture.js';
 import {plain} from './trouble.js';
 
 const $ = id => document.getElementById(id);
 
 export function showAnswer(result) {
-  const [lead, ...rest] = result.answer?.sentences ?? [result.message || 'No bouncing ball was found in this sound.'];
+  const [lead, ...rest] = result.answer ? sentencesOf(result.answer) : [result.message || 'No bouncing ball was found in this sound.'];
   $('answer').replaceChildren(element('p', {class: 'lead'}, plain(lead)), ...[...rest, ...(result.answer?.doubt ? [result.answer.doubt] : [])].map(s => element('p', {}, plain(s))));
   $('signs').textContent = result.answer ? explanations(result.answer) : '';
   const causes = result.fitted?.causes ?? [];
@@ -39,8 +39,8 @@ export function drawLaw(result, truth) {
   if (hasBand) layers.push({kind: 'band', x: curve.map(p => p.v_mps), lo: curve.map(p => p.lo95), hi: curve.map(p => p.hi95)});
   if (curve.length) layers.push({kind: 'curve', x: curve.map(p => p.v_mps), y: curve.map(p => p.eps)});
   if (truth) layers.push({kind: 'truth', x: truth.v, y: truth.eps});
-  $('law-caption').textContent = (v.length ? `Points: bounces, with the error that ${sourceOfErrors(result.answer)} alone gives them. ` : 'No bounce has an interval on either side. ') +
-      (curve.length ? `Line${hasBand ? ' and band' : ''}: ε(v), the root mean square of the bounces at each speed${hasBand ? ', with its 95 % range' : ''}${result.fitted.curve.hasDrag ? ', without what the air did, which the points have' : ''}. ` : '') + (truth ? 'Dashes: the ε(v) that was simulated. ' : '') +
+  $('law-caption').textContent = (v.length ? `${pointsCaption(result.answer, /^(heights|speeds)/.exec(result.takenFor)?.[0] ?? 'times')} ` : 'No bounce has an interval on either side. ') +
+      (curve.length ? `Line${hasBand ? ' and band' : ''}: ε(v), the root mean square of the bounces at each speed${hasBand ? ', with its 95 % range' : ''}. ` : '') + (truth ? 'Dashes: the ε(v) that was simulated. ' : '') +
       (outside ? `${outside} ${outside === 1 ? 'bounce lies' : 'bounces lie'} outside the picture.` : '');
   if (!v.length && !curve.length) return $('law-plot').replaceChildren();
   drawPicture($('law-plot'), {height: 320, label: `Plot: coefficient of restitution against impact speed, ${v.length} bounces`,

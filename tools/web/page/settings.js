@@ -6,10 +6,15 @@ const $ = id => document.getElementById(id);
 const name = text => text.replaceAll('-', ' ');
 const option = entry => element('option', {value: entry.name}, `${name(entry.name)}${entry.what ? ` (${entry.what})` : ''}`);
 
+const kFields = ['ball', 'diameter', 'plate', 'height', 'gravity'];
+
 export class Settings {
-  constructor(changed) {
-    this.changed = changed;
-    for (const id of ['ball', 'diameter', 'plate', 'height', 'gravity']) $(id).addEventListener('change', () => { this.show(); changed(); });
+  /// @param changed  is called when a field has another value; @param typing  while one is being written
+  constructor(changed, typing) {
+    for (const id of kFields) {
+      $(id).addEventListener('change', () => { this.show(); changed(); });
+      $(id).addEventListener('input', typing);
+    }
     this.balls = [];
   }
 
@@ -35,6 +40,9 @@ export class Settings {
     this.show();
   }
   get height() { return $('height-field').hidden ? '' : $('height').value; }
+
+  /// What stands in the fields, a number or not.
+  given() { return kFields.map(id => $(id).validity.badInput ? 'no number' : $(id).value).join(' '); }
 
   show() {
     $('diameter-field').hidden = !this.isMaterial($('ball').value);

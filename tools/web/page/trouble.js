@@ -6,8 +6,15 @@ export class Trouble extends Error {}
 
 const $ = id => document.getElementById(id);
 
-/// Without what is for the command line: it stands in parentheses that begin with an option, or with the program's name.
-export const plain = text => text.replace(/\s*\((--|bouncelab )[^()]*\)/g, '').replace(/\+-/g, '±').replace(/\^2/g, '²').replace(/\beps\b/g, 'ε');
+/// What the page's fields are called, by the option of the command line that each sets.
+const kFields = {as: 'What they are', unit: 'Unit', ball: 'Ball', plate: 'Floor', 'drop-height': 'Drop height', gravity: 'Gravity', drops: 'Drops', impacts: 'Bounces', seed: 'Number of the ball', 'radius-law': 'Surface', 'snr-db': 'Noise'};
+
+/// What the libraries say, in words of the page. What is for the command line alone stands in parentheses that begin with
+/// an option or with the program's name, or behind "; say": an option for each reading, which is a button here. An option
+/// elsewhere is the field that sets it.
+export const plain = text => text.replace(/; say --.*$/s, '').replace(/\s*\((--|bouncelab )([^()]|\([^()]*\))*\)/g, '')
+    .replace(/--([a-z][a-z-]*)/g, (_, option) => kFields[option] ?? option.replaceAll('-', ' '))
+    .replace(/\+-/g, '±').replace(/\^2/g, '²').replace(/\^3/g, '³').replace(/\beps\b/g, 'ε');
 
 export function say(text) {
   $('status').className = '';

@@ -16,10 +16,10 @@ function resultFor(analysis, withSound) {
   const result = {
     summary, channel, status: recording.status,
     answer: fit?.answer ?? null,
-    fitted: fit && {is_one_ball: fit.is_one_ball, curve: fit.curve && {points: fit.curve.points, errors_over_digits: fit.curve.errors_over_digits, hasDrag: fit.curve.kappa_per_m !== null}, causes: fit.causes},
+    fitted: fit && {is_one_ball: fit.is_one_ball, curve: fit.curve && {points: fit.curve.points, errors_over_digits: fit.curve.errors_over_digits}, causes: fit.causes},
     histograms: (fit?.histograms ?? []).filter(h => h.curve?.eps?.length),
     warnings: [...new Set([...(withSound === null ? [] : sound.warnings), ...(summary.notes ?? fit?.notes ?? []).filter(note => note.severity !== 'detail').slice(0, 3).map(note => note.text)])],
-    samples: lists(analysis.samples),
+    samples: lists(analysis.samples_at_plate ?? analysis.samples),  // where the curve is
     marks: marksFrom(analysis.onsets),
   };
   return withSound ? {...result, ...drawn(channelOf(sound, channel))} : result;

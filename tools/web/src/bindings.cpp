@@ -155,7 +155,15 @@ val shown(Analysis analysis) {
   value.set("channel", last->found.wave ? last->found.wave->channel : 0);
   value.set("taken_for", last->taken_for);
   value.set("onsets", columns_of(to_table(last->found.onsets)));
-  value.set("samples", columns_of(to_table(last->found.restitution.samples)));
+  const RestitutionSamples& samples = last->found.restitution.samples;
+  value.set("samples", columns_of(to_table(samples)));
+  const auto value_if = [](const std::optional<fit::Estimate>& e) {
+    return e ? std::optional(e->value) : std::nullopt;
+  };
+  if (const std::optional<fit::Curve>& curve = last->found.fit.curve)
+    value.set(
+        "samples_at_plate",
+        columns_of(to_table(fit::at_the_plate(samples, value_if(curve->kappa_per_m), value_if(curve->contact_s)))));
   return value;
 }
 

@@ -6,6 +6,7 @@ import {existsSync, readFileSync} from 'node:fs';
 import {join} from 'node:path';
 import {pathToFileURL} from 'node:url';
 import {Live} from '../page/live.js';
+import {plain} from '../page/trouble.js';
 import {clean, site, truth} from './harness.js';
 
 const missing = existsSync(join(site, 'bouncelab.wasm')) ? false : `no ${site}; tools/web/build makes it`;
@@ -41,6 +42,22 @@ describe('the module', {skip: missing}, () => {
       assert.ok(reports.slice(0, k).filter(r => r.heard_s > t_s + kBeyond_s).length < 2, `${t_s}`);
     for (const {t_s} of truth.filter(impact => impact.t_s < kEnd_s - kStep_s - kBeyond_s))
       assert.equal(marks.filter(m => Math.abs(m.t_s - t_s) < 1e-3).length, 1, `${t_s}`);
+  });
+
+  test('what is refused is said in words of the page', () => {
+    const tables = {numbers: '1, .81, .66, .53', rises: '0.1\n0.7\n1.2\n1.6', words: 'a b c', zero: '1 0.8 0 0.5', unit: '1 m, 0.8 m', speeds: 'v (m/s)\n1\n0.9\n0.8', percent: 'v (m/s),e\n1,89\n0.9,90\n0.8,88', units: 'v (m/s),e (m/s)\n1,0.9\n0.9,0.81\n0.8,0.7',
+                    drops: 'drop,drop,t (s)\n1,1,0.1\n1,1,0.5\n1,1,0.9', own: 'recording,drop,impact,t_s\na,0,0,1\na,0,1,0.5', frames: `t (s)\n${[...Array(20).keys()].map(k => k / 30).join('\n')}`};
+    const options = [{}, {as: 'heights', unit: 's'}, {as: 'times', unit: 'm'}, {as: 'intervals', unit: 'ms'}, {columns: 'v_in=1,v_out=2'}, {columns: 'v=1,eps=2'}, {'drop-height': 1e5}, {gravity: 0}, {ball: 'steel:0mm'}, {ball: 'none'}, {plate: 'none'}];
+    let refused = 0;
+    for (const [name, table] of Object.entries(tables))
+      for (const told of options)
+        try {
+          module.analyzeTimes(new TextEncoder().encode(table), name, JSON.stringify(told));
+        } catch (error) {
+          ++refused;
+          for (const text of [error.message, error.question?.text ?? '']) assert.ok(!/--|COLUMN|bouncelab/.test(plain(text)), plain(text));
+        }
+    assert.ok(refused > 60, `${refused}`);
   });
 
   test('a simulated scatter is that of its closed form within the errors of counting', () => {

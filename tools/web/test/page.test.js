@@ -278,10 +278,90 @@ describe('the page', {skip: missing ?? false}, () => {
       for (const type of ['dragenter', 'dragover', 'drop']) document.body.dispatchEvent(new DragEvent(type, {dataTransfer: transfer, bubbles: true, cancelable: true}));
     }, base64));
     assert.match(says, /\d+\.\d s of sound/);
-    assert.deepEqual(await page.$$eval('#recordings button', list => list.map(b => b.textContent)), ['one.flac', 'two.flac']);
-    await answered(page, () => page.click('#recordings button:nth-child(2)'));
+    assert.deepEqual(await page.$$eval('#recordings tbody button', list => list.map(b => b.textContent)), ['one.flac', 'two.flac']);
+    await answered(page, () => page.click('#recordings tbody tr:nth-child(2) button'));
     assert.equal(await countOf(page), truth.length);
+    assert.equal(await page.$eval('#recordings [aria-pressed="true"]', b => b.textContent), 'two.flac');
     assert.ok(!await page.evaluate(() => document.body.classList.contains('dropping')));
+  });
+
+  test('several files have a table, a row each, as the page answers them, and it follows the settings', async () => {
+    const photo = join(work, 'photo.jpg'), empty = join(work, 'nothing.wav'), heights = join(work, 'h.csv'), asks = join(work, 'asks.csv');
+    writeFileSync(photo, Buffer.from('ffd8ffe000104a46494600', 'hex'));
+    writeFileSync(empty, '');
+    writeFileSync(heights, 'h (m)\n1\n.81\n.66\n.53\n');
+    writeFileSync(asks, '1,2\n3,1\n2,5\n');
+    await choose(page, clean, photo, empty, heights, asks);
+    const rows = () => page.$$eval('#recordings tbody tr', list => list.map(row => [...row.cells].map(cell => cell.textContent)));
+    const finished = () => page.waitForFunction(() => ![...document.querySelectorAll('#recordings td:last-child')].some(cell => cell.textContent === '…'), {timeout: 60000});
+    await finished();
+    const [sound, picture, nothing, table, question] = await rows(), lead = await page.$eval('#answer .lead', node => node.textContent);
+    assert.ok(Math.abs(parseFloat(lead.slice(4)) - parseFloat(sound[1])) < 1e-4, `${lead} beside ${sound[1]}`);  // of fewer digits
+    assert.equal(sound[3], String(truth.length));
+    assert.match(picture[4], /^is a picture: please choose the recording itself/);
+    assert.equal(nothing[4], 'is empty.');
+    assert.match(table[1], /^0\.9\d+ ± /);
+    assert.match(question[4], /press its name/);
+    assert.equal(await countOf(page), truth.length, 'the first file is on the page meanwhile');
+    await page.click('#settings summary');
+    await refitted(page, () => page.select('#ball', 'table-tennis'));
+    await finished();
+    assert.notDeepEqual((await rows())[0], sound);
+    await refitted(page, () => page.select('#ball', ''));
+    await page.click('#settings summary');
+    await choose(page, clean);
+    assert.ok(await page.$eval('#recordings', node => node.hidden));
+  });
+
+  test('an answer to what is no longer given is grey and says so, until it is again or there is another', async () => {
+    const isOld = () => page.$eval('#outdated', node => !node.hidden && !node.closest('[hidden]') && getComputedStyle(document.getElementById('downloads').parentElement).display === 'none');
+    const change = (id, value) => page.$eval(id, (node, text) => { node.value = text; for (const type of ['input', 'change']) node.dispatchEvent(new Event(type, {bubbles: true})); }, value);
+    assert.ok(!await isOld());
+    await page.click('#settings summary');
+    assert.match(await answered(page, () => change('#height', '-3')), /^The drop height has to be a number/);
+    assert.ok(await isOld());
+    await refitted(page, () => change('#height', ''));
+    assert.ok(!await isOld());
+    await page.$eval('#gravity', node => { node.value = '3'; node.dispatchEvent(new Event('input')); });
+    assert.ok(await isOld(), 'while it is written');
+    await page.$eval('#gravity', node => { node.value = '9.81'; node.dispatchEvent(new Event('input')); });
+    assert.ok(!await isOld());
+    await page.click('#settings summary');
+    await page.click('#typed summary');
+    await page.select('#numbers-as', 'heights');
+    await page.select('#numbers-unit', 'm');
+    await page.$eval('#numbers', node => { node.value = '1 .81 .66 .53'; });
+    await answered(page, () => page.click('#numbers-run'));
+    assert.ok(!await isOld());
+    await page.type('#numbers', ' .4');
+    assert.ok(await isOld());
+    await answered(page, () => page.click('#numbers-run'));
+    assert.ok(!await isOld());
+    await page.$eval('#numbers', node => { node.value = ' '; });
+    assert.match(await answered(page, () => page.click('#numbers-run')), /^No number is typed yet/);
+    assert.ok(await isOld());
+    await page.click('#typed summary');
+    await choose(page, clean);
+    assert.ok(!await isOld());
+  });
+
+  test('a ball that is chosen while a sound is worked out counts for that sound', async () => {
+    const other = join(work, 'other.csv'), lead = () => page.$eval('#answer .lead', node => node.textContent);
+    await page.click('#settings summary');
+    await refitted(page, () => page.select('#ball', 'table-tennis'));
+    const expected = await lead();
+    await refitted(page, () => page.select('#ball', ''));
+    writeFileSync(other, 't (s)\n0.1\n0.7\n1.2\n1.61\n');
+    await choose(page, other);
+    await refitted(page, async () => {
+      await (await page.$('#file')).uploadFile(clean);
+      await page.waitForFunction(() => document.getElementById('status').textContent.startsWith('Finding'));
+      await page.select('#ball', 'table-tennis');
+    });
+    assert.equal(await countOf(page), truth.length);
+    assert.equal(await lead(), expected);
+    await refitted(page, () => page.select('#ball', ''));
+    await page.click('#settings summary');
   });
 
   test('compressed sound and video are decoded at their own rate', async t => {
@@ -329,7 +409,10 @@ describe('the page', {skip: missing ?? false}, () => {
     writeFileSync(huge, '');
     truncateSync(huge, 2e9);  // takes no room
     const zeros = (name, seconds, ...options) => made(name, '-f', 'lavfi', '-i', 'anullsrc=r=48000:cl=mono', '-t', String(seconds), ...options);
-    const cases = [[text, /text\.wav: line 1: this is no sound: no line holds numbers by themselves/], [wrong, /^wrong\.wav: not readable as sound \(.*\); choose another file, or record again$/], [nothing, /nothing\.m4a is empty\./], [huge, /huge\.wav has 2000 MB/],
+    const pdf = join(work, 'sheet.pdf'), book = join(work, 'sheet.xlsx');
+    writeFileSync(pdf, '%PDF-1.7\n');
+    writeFileSync(book, 'PK\x03\x04');
+    const cases = [[pdf, /^sheet\.pdf is a PDF: please choose the recording itself .* save the table/], [book, /^sheet\.xlsx is an archive or a document .* as CSV/], [text, /text\.wav: line 1: this is no sound: no line holds numbers by themselves/], [wrong, /^wrong\.wav: not readable as sound \(.*\); choose another file, or record again$/], [nothing, /nothing\.m4a is empty\./], [huge, /huge\.wav has 2000 MB/],
                    [made('silent.mp4', '-f', 'lavfi', '-i', 'testsrc=duration=1:size=64x64:rate=5'), /silent\.mp4 is a video without sound\./],
                    [made('silent.webm', '-f', 'lavfi', '-i', 'testsrc=duration=1:size=64x64:rate=5'), /silent\.webm is a video without sound\./],
                    [zeros('zeros.wav', 2), /zeros\.wav is silent/], [zeros('zeros.m4a', 2, '-c:a', 'aac'), /zeros\.m4a is silent/],

@@ -107,6 +107,10 @@ test('found beside the truth: missed and invented impacts are counted, the commo
 test('what is for the command line is left out', () => {
   assert.equal(plain('name the ball (--ball).'), 'name the ball.');
   assert.equal(plain('use the value of each (--pool makes one value of all); g in m/s^2'), 'use the value of each; g in m/s²');
+  assert.equal(plain('which columns are the speeds (--columns v=COLUMN; of t=Time (s) too)?'), 'which columns are the speeds?');
+  assert.equal(plain("a.csv: times or intervals?; say --as times (times in s) or --as intervals --columns 't=Time (s)' (intervals in s)"), 'a.csv: times or intervals?');
+  assert.equal(plain("--drop-height: '1e5' must be a finite decimal number from 0 to 1000"), "Drop height: '1e5' must be a finite decimal number from 0 to 1000");
+  assert.equal(plain('--unit s: heights are in m, cm, mm, in or ft'), 'Unit s: heights are in m, cm, mm, in or ft');
   assert.equal(plain("column 'v (m/s)' is another quantity (bouncelab fit takes speeds)"), "column 'v (m/s)' is another quantity");
 });
 

@@ -260,7 +260,9 @@ std::optional<SoundTrack> ask_what_it_is(const Decoding& d, int number, const st
       joined(d.opening(), {"-select_streams", "a", "-show_entries", kShown, "-of", "default=noprint_wrappers=1"}),
       d.name, d.descriptor, d.limits, kMostOfAnswer_bytes);
   if (answer.complaints.find("not on whitelist") != std::string::npos)
-    throw FileError(d.name, "is a list of other files, or a format in which no sound is recorded; name the recording");
+    throw FileError(
+        d.name,
+        "is a list of other files, a picture, or another format in which no sound is recorded; name the recording");
   if (!answer.ended_well)
     throw FileError(d.name, "not readable as audio (libsndfile: " + reason + "; ffmpeg: " +
                                 first_line_of(answer.complaints, d.input) + "); record or copy it again");

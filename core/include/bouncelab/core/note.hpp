@@ -98,10 +98,8 @@ const char* to_string(Severity severity);
   kind(memory_unlikelier)                                                       \
   /* campaigns and groups: */                                                   \
   kind(too_few_recordings) /* with a law, of recordings, least */               \
-  kind(undetermined_campaign) /* recordings */                                  \
-  kind(law_of_two_constants)                                                    \
-  kind(one_speed_of_all) /* speed [m/s] */                                      \
-  kind(plates_not_in_law) /* plates, recordings */                              \
+  kind(speed_not_reached) /* speed, of the recording the least, the greatest [m/s] */\
+  kind(plates_not_in_model) /* plates, recordings */                            \
   kind(plates_are_days)                                                         \
   kind(few_days) /* days */                                                     \
   kind(dates_missing) /* recordings, of recordings */                           \
@@ -111,10 +109,7 @@ const char* to_string(Severity severity);
   kind(no_row) /* recordings, of recordings; which, the table */                \
   kind(group_too_small) /* samples, least; the group */                         \
   kind(no_common_speeds) /* one ends at, another begins at [m/s] */             \
-  kind(group_few_at_common) /* samples, from, to [m/s]; the group */            \
-  kind(group_without_law) /* ; the group */                                     \
   kind(no_error_of_law)                                                         \
-  kind(errors_tied)                                                             \
   kind(detector_failed) /* ; detector, recording, why */
 // clang-format on
 

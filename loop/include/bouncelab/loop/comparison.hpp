@@ -25,9 +25,8 @@ std::vector<fit::RecordingOrigin> origins_of(const std::vector<std::string>& rec
 
 struct ComparedRecordings {
   std::vector<fit::CampaignRecording> recordings;
-  fit::BetweenRecordings between;                    ///< with all notes, unordered
-  std::optional<fit::GroupDifferences> differences;  ///< of two to four plates, else recordings
-  RestitutionSamples kept;                           ///< usable ones of the first hundred recordings
+  fit::BetweenRecordings between;  ///< with all notes, unordered; differences of plates, else of 2 to 4 recordings
+  RestitutionSamples kept;         ///< usable ones of the first hundred recordings
 };
 
 /// Do recordings agree, and by what do they differ? They are reduced as they come, some at a time on all threads, and

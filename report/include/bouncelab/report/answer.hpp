@@ -165,15 +165,13 @@ Object object_of(const fit::RoughnessResult& result, const std::vector<Note>& no
 
 // What many recordings say together (fit/between_recordings.hpp).
 
-/// The answer in a few sentences, the most important first. @param recordings  those compared
-/// @param differences  of few groups: what they say comes first
+/// The answer in a few sentences, the most important first: differences of few groups. @param recordings  those
+/// compared
 std::vector<std::string> in_words(const fit::BetweenRecordings& between,
-                                  const std::vector<fit::CampaignRecording>& recordings,
-                                  const std::optional<fit::GroupDifferences>& differences = {});
+                                  const std::vector<fit::CampaignRecording>& recordings);
 
 /// comparison.json but for the rows of the recordings, of which it has the outliers and those that could not be used.
-Object object_of(const fit::BetweenRecordings& between, const std::vector<fit::CampaignRecording>& recordings,
-                 const std::optional<fit::GroupDifferences>& differences = {});
+Object object_of(const fit::BetweenRecordings& between, const std::vector<fit::CampaignRecording>& recordings);
 
 /// What the page draws: columns of the recordings used, in order of time; of more than `most` every so manieth, and
 /// always the outliers.
