@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# find_package(bouncelab COMPONENTS sim acoustic fit loop) for other projects
+# find_package(bouncelab COMPONENTS core sim acoustic fit loop report) for other projects
 include(CMakePackageConfigHelpers)
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/bouncelab)
 configure_package_config_file(cmake/bouncelab-config.cmake.in ${CMAKE_CURRENT_BINARY_DIR}/bouncelab-config.cmake
@@ -23,6 +23,8 @@ if(TARGET bouncelab_fit)
   string(APPEND BOUNCELAB_PC_LIBS "-lceres -lglog ")
 endif()
 string(APPEND BOUNCELAB_PC_LIBS "-lpthread")
+# from the file itself, wherever it is installed or moved to
+file(RELATIVE_PATH BOUNCELAB_PC_PREFIX /prefix/${CMAKE_INSTALL_LIBDIR}/pkgconfig /prefix)
 configure_file(cmake/bouncelab.pc.in ${CMAKE_CURRENT_BINARY_DIR}/bouncelab.pc @ONLY)
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/bouncelab.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT core)
 install(FILES cmake/FindSLEEF.cmake DESTINATION ${package_dir} COMPONENT core)

@@ -286,6 +286,7 @@ FitResult fit_on_these_threads(const RestitutionSamples& samples, const FitConfi
 }  // namespace
 
 FitResult fit_all(const RestitutionSamples& samples, const FitConfig& config, const ProgressCallback& progress) {
+  check_options(config);
   FitResult result;
   with_threads(config.n_threads, [&] { result = fit_on_these_threads(samples, config, progress); });
   return result;

@@ -276,7 +276,10 @@ std::vector<Note> notes_on(const SimulationResult& result) {
 
 void validate(const SimulationConfig& c) {
   require(c.ball.radius_m > 0.0 && std::isfinite(c.ball.radius_m), "radius of the ball", c.ball.radius_m, "> 0 m");
-  require(c.ball.material.density_kgpm3 > 0.0, "density of the ball", c.ball.material.density_kgpm3, "> 0 kg/m^3");
+  require(c.ball.material.density_kgpm3 > 0.0 && std::isfinite(c.ball.material.density_kgpm3), "density of the ball",
+          c.ball.material.density_kgpm3, "> 0 kg/m^3");
+  require(c.ball.inertia_factor > 0.0 && c.ball.inertia_factor <= 1.0, "inertia factor of the ball",
+          c.ball.inertia_factor, "(0, 1]");
   validate(c.law);
   validate(c.contact);
   require(c.gravity_mps2 > 0.0 && std::isfinite(c.gravity_mps2), "gravity", c.gravity_mps2, "> 0 m/s^2");

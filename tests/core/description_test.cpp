@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <string>
 
 #include "bouncelab/core/error.hpp"
@@ -16,7 +17,7 @@ std::string to_string(Kind kind) { return kind == Kind::round ? "round" : "flat"
 
 struct Whole {
   std::int64_t n = 3;
-  std::optional<double> speed_mps;
+  std::optional<double> speed_mps, height_m;
   std::string name = "a";
   std::vector<double> nodes{0.25, 0.6};
   std::vector<double> start_m{0.0, 1.5};
@@ -28,6 +29,7 @@ Description members_of(const Whole*) {
   static constexpr Member whole[]{
       member<&Whole::n>("n", "Number").within(1, 1'000'000'000),
       member<&Whole::speed_mps>("speed_mps", "Speed"),
+      member<&Whole::height_m>("height_m", "Height").within(0.0, 1.0).unknown_as("0"),
       member<&Whole::name>("name", "Name"),
       member<&Whole::nodes>("nodes", "Nodes").within(0.0, 1.0),
       member<&Whole::start_m>("start_m", "Start").with_commas("X,Y", 2, 2).within(-9.0, 9.0),
@@ -78,6 +80,24 @@ TEST(Description, ATextOutsideIsRefusedWithWhatItMustBe) {
   EXPECT_EQ(refusal("start_m", "1"), "'1' must be 2 finite decimal numbers, X,Y");
   EXPECT_EQ(refusal("start_m", "1,10"), "'1,10' must be numbers from -9 to 9");
   EXPECT_EQ(refusal("kind", "square"), "'square' must be one of round, flat");
+}
+
+TEST(Description, WhatAProgramFillsIsRefusedAsWhatIsTyped) {
+  EXPECT_NO_THROW(check_options(Whole{}));
+  const auto refused = [](auto set) {
+    Whole whole;
+    set(whole);
+    return test::refusal<InvalidArgument>([&] { check_options(whole); });
+  };
+  EXPECT_EQ(refused([](Whole& w) { w.n = -1; }), "n: '-1' must be a decimal integer from 1 to 1000000000");
+  EXPECT_EQ(refused([](Whole& w) { w.speed_mps = NAN; }), "speed_mps: 'nan' must be a finite decimal number");
+  EXPECT_EQ(refused([](Whole& w) {
+              w.nodes = {0.5, INFINITY};
+            }),
+            "nodes: 'inf' must be a finite decimal number from 0 to 1");
+  EXPECT_EQ(refused([](Whole& w) { w.start_m = {1.0}; }), "start_m: '1' must be 2 finite decimal numbers, X,Y");
+  EXPECT_EQ(refused([](Whole& w) { w.height_m = 0.0; }),
+            "height_m: '0' stands for a value that is not known; leave it empty");
 }
 
 TEST(Description, TheDefaultAsTextIsReadBackAsTheSame) {

@@ -81,6 +81,13 @@ TEST(RestitutionLaw, IsReadFromText) {
   EXPECT_THROW(restitution_law_from_text("table:no-such-file.csv"), FileError);
 }
 
+TEST(RestitutionLaw, OfAnEmptyTableIsRefused) {
+  for (const TableLaw& law : {TableLaw{}, TableLaw{{}, {0.9}}, TableLaw{{0.1, 0.2}, {0.9}}}) {
+    EXPECT_THROW(restitution(law, 1.0), InvalidArgument);
+    EXPECT_THROW(restitution_slope(law, 1.0), InvalidArgument);
+  }
+}
+
 TEST(RestitutionLaw, BadParametersAreRefused) {
   EXPECT_THROW(validate(ViscoelasticLaw{-1.0}), InvalidArgument);
   EXPECT_THROW(validate(ConstantLaw{0.0}), InvalidArgument);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bouncelab/fit/fit.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,10 +11,13 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "support/refusal.hpp"
 #include "synthetic_samples.hpp"
 
 namespace bouncelab::fit {
 namespace {
+
+using ::testing::StartsWith;
 
 TEST(FitAll, OfTheQuickLoopKnowsTheCurveAndItsSlopes) {
   testing::SyntheticRun run;
@@ -102,6 +106,25 @@ TEST(FitAll, OutliersOfTheLawTouchNoOtherFit) {
     EXPECT_EQ(result.histograms[k].n, clean.histograms[k].n);
     expect_alike(*result.histograms[k].slope_rising, *clean.histograms[k].slope_rising);
   }
+}
+
+TEST(FitAll, RefusesOptionsThatNobodyCouldType) {
+  const RestitutionSamples samples = restitution_samples(synthetic_onsets(testing::SyntheticRun{}), {}).samples;
+  const auto refused = [&](auto set) {
+    FitConfig config;
+    set(config);
+    return test::refusal<InvalidArgument>([&] { fit_all(samples, config); });
+  };
+  using C = FitConfig;
+  EXPECT_THAT(refused([](C& c) { c.law.node_speeds_mps = {0.3, -1.0}; }), StartsWith("nodes: '-1' must be"));
+  EXPECT_THAT(refused([](C& c) { c.law.node_speeds_mps = {NAN}; }), StartsWith("nodes: 'nan' must be"));
+  EXPECT_THAT(refused([](C& c) { c.law.orders = {0}; }), StartsWith("orders: '0' must be"));
+  EXPECT_THAT(refused([](C& c) { c.n_goodness = static_cast<std::size_t>(-1); }), StartsWith("goodness_replicates: "));
+  EXPECT_THAT(refused([](C& c) { c.dem_speed_mps = NAN; }), StartsWith("hand_off_speed: 'nan' must be"));
+  EXPECT_THAT(refused([](C& c) { c.histograms.centres_mps = {0.0}; }), StartsWith("windows: '0' must be"));
+  EXPECT_THAT(refused([](C& c) { c.histograms.width_mps = INFINITY; }), StartsWith("window_width: 'inf' must be"));
+  EXPECT_THAT(refused([](C& c) { c.law.n_scatter_terms = 1000; }), StartsWith("n_scatter_terms: 1000 must be"));
+  EXPECT_THROW(measure_roughness(samples, {.n_goodness = static_cast<std::size_t>(-1)}), InvalidArgument);
 }
 
 TEST(FitAll, OfNothingSaysSo) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bouncelab/fit/restitution.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -13,10 +14,13 @@
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/random.hpp"
 #include "bouncelab/core/table.hpp"
+#include "support/refusal.hpp"
 #include "synthetic_samples.hpp"
 
 namespace bouncelab::fit {
 namespace {
+
+using ::testing::StartsWith;
 
 Onsets onsets_at(const std::vector<double>& times, std::int64_t drop = 0) {
   Onsets onsets;
@@ -197,6 +201,29 @@ TEST(Restitution, RejectsBadGravityAndUnsortedTimes) {
   weightless.gravity_mps2 = 0.0;
   EXPECT_THROW(restitution_samples(onsets_at({0.1, 0.2, 0.3}), weightless), InvalidArgument);
   EXPECT_THROW(restitution_samples(onsets_at({0.1, 0.3, 0.2}), {}), InvalidArgument);
+  EXPECT_THROW(restitution_samples(onsets_at({0.1, NAN, 0.3}), {}), InvalidArgument);
+}
+
+TEST(Restitution, RefusesOptionsThatNobodyCouldType) {
+  const auto refused = [](auto set) {
+    RestitutionConfig config;
+    set(config);
+    return test::refusal<InvalidArgument>([&] { restitution_samples({}, config); });
+  };
+  using C = RestitutionConfig;
+  EXPECT_THAT(refused([](C& c) { c.gravity_mps2 = NAN; }), StartsWith("gravity: 'nan' must be"));
+  EXPECT_THAT(refused([](C& c) { c.air_kgpm3 = -1.0; }), StartsWith("air: '-1' must be"));
+  EXPECT_THAT(refused([](C& c) { c.wave_speed_mps = 0.0; }), StartsWith("wave_speed: '0' must be"));
+  EXPECT_THAT(refused([](C& c) { c.sigma_t_s = -1e-6; }), StartsWith("sigma_t: "));
+  EXPECT_THAT(refused([](C& c) { c.drop_height_m = 0.0; }), StartsWith("drop_height: '0' stands for"));
+  EXPECT_THAT(refused([](C& c) { c.ball = Ball{.radius_m = NAN}; }), StartsWith("radius of the ball"));
+}
+
+TEST(Restitution, RefusesImpactsWithoutNumbers) {
+  Onsets onsets = onsets_at({0.1, 0.2, 0.3, 0.4});
+  for (Onset& onset : onsets) onset.impact = 0;
+  EXPECT_EQ(test::refusal<InvalidArgument>([&] { restitution_samples(onsets, {}); }),
+            "drop 0: impact 0 follows impact 0; number the impacts of a drop in their order, 0, 1, 2 ...");
 }
 
 TEST(Restitution, OfFewerThanThreeOnsetsIsEmpty) {

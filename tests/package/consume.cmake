@@ -38,14 +38,13 @@ if(PKG_CONFIG)
   file(GLOB_RECURSE pc ${WORK_DIR}/prefix/bouncelab.pc)
   cmake_path(GET pc PARENT_PATH folder)
   set(ENV{PKG_CONFIG_PATH} ${folder})
-  # its prefix is that of the configuration, not that of this installation
-  step(${PKG_CONFIG} --define-variable=prefix=${WORK_DIR}/prefix --cflags --libs bouncelab)
+  step(${PKG_CONFIG} --cflags --libs bouncelab)
   separate_arguments(options UNIX_COMMAND "${CXX_FLAGS} ${output}")
   step(${CXX_COMPILER} -std=c++20 ${CONSUMER_DIR}/closed_loop.cpp ${options} -o ${WORK_DIR}/closed_loop)
 endif()
 
 # one module alone
-foreach(module IN ITEMS sim detection fit)
+foreach(module IN ITEMS core sim detection fit)
   step(${CMAKE_COMMAND} -S ${ONE_MODULE_DIR} -B ${WORK_DIR}/${module} -G ${GENERATOR} -DMODULE=${module}
        -DCMAKE_PREFIX_PATH=${WORK_DIR}/prefix -DCMAKE_CXX_COMPILER=${CXX_COMPILER} "-DCMAKE_CXX_FLAGS=${CXX_FLAGS}")
 endforeach()
@@ -55,6 +54,6 @@ execute_process(COMMAND ${CMAKE_COMMAND} -S ${ONE_MODULE_DIR} -B ${WORK_DIR}/non
   -DCMAKE_PREFIX_PATH=${WORK_DIR}/prefix -DCMAKE_CXX_COMPILER=${CXX_COMPILER}
   RESULT_VARIABLE failed OUTPUT_QUIET ERROR_VARIABLE output)
 string(REGEX REPLACE "[ \n]+" " " output "${output}")
-if(NOT failed OR NOT output MATCHES "fitt is not a component of this installation of bouncelab, which has sim, .*fit, ")
+if(NOT failed OR NOT output MATCHES "fitt is not a component of this installation of bouncelab, which has core, sim, .*fit, ")
   message(FATAL_ERROR "an unknown component was not refused by its name:\n${output}")
 endif()

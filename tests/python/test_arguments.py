@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Keywords are the options of the command line; what is wrong is said as there, as Python's own errors."""
+import errno
 import inspect
 import os
 import pathlib
@@ -52,17 +53,17 @@ class Keywords(Case):
 
     def test_ranges_and_names_as_the_program_says_them(self):
         for keywords, message in [
-                (dict(drops=0), "--drops: '0' must be a decimal integer from 1 to 1000000000"),
-                (dict(drops=1.5), "--drops: '1.5' must be a decimal integer"),
-                (dict(height=-1.0), "--height"),
-                (dict(beta=float("nan")), "--beta: 'nan' must be a finite decimal number"),
-                (dict(contact="papr"), "--contact"),
+                (dict(drops=0), "drops: '0' must be a decimal integer from 1 to 1000000000"),
+                (dict(drops=1.5), "drops: '1.5' must be a decimal integer"),
+                (dict(height=-1.0), "height: "),
+                (dict(beta=float("nan")), "beta: 'nan' must be a finite decimal number"),
+                (dict(contact="papr"), "contact: "),
                 (dict(ball="stel"), "did you mean steel"),
                 (dict(law="series:A2"), "law"),
-                (dict(spin=(1, 2)), "--spin"),
-                (dict(seed=-1), "--seed"),
-                (dict(drops="many"), "--drops: 'many'"),
-                (dict(drops=True), "--drops"),
+                (dict(spin=(1, 2)), "spin: "),
+                (dict(seed=-1), "seed: "),
+                (dict(drops="many"), "drops: 'many'"),
+                (dict(drops=True), "drops: "),
         ]:
             with self.subTest(keywords), self.assertRaisesRegex(ValueError, re.escape(message)):
                 bl.simulate(**keywords)
@@ -71,7 +72,8 @@ class Keywords(Case):
         expected = small_impacts(bl, drops=2, height=0.1, spin=(1, 0, 0.5), seed=3)
         for keywords in [dict(drops=np.int64(2), height=np.float64(0.1), spin=np.array([1, 0, 0.5]), seed=np.uint8(3)),
                          dict(drops="2", height="0.1", spin="1,0,0.5", seed="3"),
-                         dict(drops=2, height=[0.1], spin=[np.float32(1), 0, 0.5], seed=3)]:
+                         dict(drops=2, height=[0.1], spin=[np.float32(1), 0, 0.5], seed=3),
+                         dict(drops=2e0, height=iter([0.1]), spin=(x for x in (1, 0, 0.5)), seed=3.0, drag=np.False_)]:
             found = small_impacts(bl, **keywords)
             np.testing.assert_array_equal(found.v, expected.v)
         found = bl.fit(bl.Samples(v=expected.v, eps=expected.eps), nodes=np.array([0.8, 1.1]), goodness_replicates=0,
@@ -105,8 +107,48 @@ class Errors(Case):
         with self.assertRaisesRegex(OSError, "row 2|line 3"):
             bl.restitution(pathlib.Path(here))
 
+    def test_files_that_are_not_there_are_folders_or_may_not_be_read(self):
+        takers = [bl.detect, bl.restitution, bl.fit, bl.roughness, bl.synthesize, bl.analyze, bl.compare, bl.dem,
+                  bl.Onsets.from_csv, bl.Samples.from_csv, bl.Impacts.from_csv, lambda name: bl.detect([name, name + "x"]),
+                  lambda name: bl.analyze([name, name + "x"]), lambda name: bl.fit(self.samples(), groups=name)]
+        closed = self.written("t_s,v_mps,eps\n1,1,1\n")
+        os.chmod(closed, 0)
+        for name, kind, number in [(self.path("none.csv"), FileNotFoundError, errno.ENOENT), ("", FileNotFoundError, errno.ENOENT),
+                                   (self.folder, IsADirectoryError, errno.EISDIR), (closed, PermissionError, errno.EACCES)]:
+            if kind is PermissionError and os.geteuid() == 0:
+                continue  # root may read all
+            for k, take in enumerate(takers if name else takers[:-1]):  # no groups: an empty name
+                with self.subTest(name=name, k=k), self.assertRaises(kind) as raised:
+                    take(name)
+                self.assertEqual(raised.exception.errno, number)
+                if name:
+                    self.assertEqual(raised.exception.filename, name)
+
+    def samples(self):
+        return bl.Samples(v=[1.0, 0.9], eps=[0.9, 0.9])
+
+    def test_words_of_the_command_line_are_keywords(self):
+        for said, words in [("(--min-impacts takes shorter drops)", "(min_impacts= takes shorter drops)"),
+                            ("--unit furlong: heights", "unit='furlong': heights"), ("use --pool or --ball", "use pool=True or ball="),
+                            ("say --as heights --unit cm.", "say taken_as='heights', unit='cm'."), ("--nodes: 'x' must", "nodes: 'x' must"),
+                            ("--columns v=COLUMN,eps=COLUMN or", "columns='v=COLUMN,eps=COLUMN' or"), ("--rate 48000)", "rate=48000)"),
+                            ("bouncelab --nothing", "bouncelab --nothing"), ("a--ball.wav", "a--ball.wav"), ("", "")]:
+            self.assertEqual(bl._core.with_keywords(said), words)
+
+    def test_what_holds_nothing(self):
+        for function in (bl.detect, bl.analyze, bl.compare):
+            for nothing in ([], ()):
+                with self.subTest(function), self.assertRaisesRegex(ValueError, "^no (recording is|samples are) given"):
+                    function(nothing)
+        with self.assertRaisesRegex(TypeError, "vary: 'snr' is no keyword"):
+            bl.validate(lambda x, rate: [], vary={"snr": [30]})
+        with self.assertRaisesRegex(TypeError, "detect\\(samples, rate\\)"):
+            bl.detect({})
+        with self.assertRaisesRegex(TypeError, "law: NoneType"):
+            bl.eps_of_law(None, 1.0)
+
     def test_a_table_that_does_not_prove_what_it_holds_is_asked_with_its_answers(self):
-        with self.assertRaisesRegex(ValueError, "--columns v=COLUMN,eps=COLUMN"):
+        with self.assertRaisesRegex(ValueError, "columns='v=COLUMN,eps=COLUMN'"):
             bl.Samples.from_csv(self.written("t_s\n1\n2\n"))
         falling = self.written("0.6\n0.51\n0.4335\n")
         with self.assertRaisesRegex(ValueError, "do not rise.*; say .*taken_as='intervals', unit='s'"):
@@ -123,9 +165,9 @@ class Errors(Case):
     def test_analyze_takes_files_and_says_why_there_is_no_answer(self):
         sound = small_sound(bl, small_impacts(bl, drops=1))
         for given in (sound, sound.samples, self.onsets, [self.onsets]):
-            with self.assertRaisesRegex(ValueError, r"takes files, \w+ is given; .*fit\(restitution\(detect\("):
+            with self.assertRaisesRegex(TypeError, r"takes files, \w+ is given; .*fit\(restitution\(detect\("):
                 bl.analyze(given)
-        with self.assertRaisesRegex(OSError, "nonexistent.wav: no such file"):
+        with self.assertRaisesRegex(FileNotFoundError, "no such file.*nonexistent.wav"):
             bl.analyze("/nonexistent.wav", out=self.path("out"))
         bl.Recording(np.zeros(50000, np.float32), 44100, name="", truth=self.onsets, others={}, bits="16").write(
             self.path("silent.wav"))
@@ -154,7 +196,7 @@ class Errors(Case):
         fit = bl.fit(bl.Samples(v=small_impacts(bl).v, eps=small_impacts(bl).eps), goodness_replicates=0)
         with self.assertRaisesRegex(ValueError, "fit: nothing memory for lammps: it has constant"):
             bl.dem(fit, model="memory")
-        with self.assertRaisesRegex(ValueError, "--code"):
+        with self.assertRaisesRegex(ValueError, "^code: "):
             bl.dem(fit, code="lamps")
         with self.assertRaises(OSError):
             bl.dem("/nonexistent.json")

@@ -227,7 +227,7 @@ class Pandas(Case):
             bl.restitution([0.0, 1.0, 1.9], unit="ms")
         with self.assertRaisesRegex(TypeError, r"restitution\(onsets\)"):
             bl.fit(bl.Onsets(t=np.array([0.0, 1.0, 1.9])))
-        with self.assertRaisesRegex(TypeError, "groups is the name of a table"):
+        with self.assertRaisesRegex(TypeError, "groups is a table with columns recording and plate"):
             bl.fit(bl.Samples(v=np.ones(9), eps=np.full(9, 0.9)), groups={"recording": ["a"]})
 
 

@@ -169,6 +169,77 @@ def normal_laplace(x, below, above, normal):
     return np.interp(x, points, laplace @ weights)
 
 
+def of_recordings():
+    """Three recordings of balls that differ, of the first two there are two drops."""
+    tables = []
+    for name, law, seed, drops in (("a.wav", "constant:0.97", 1, 2), ("b.wav", "constant:0.95", 2, 2), ("c.wav", "constant:0.95", 3, 1)):
+        impacts = small_impacts(bl, drops=drops, law=law, seed=seed)
+        tables.append({"recording": np.array([name] * len(impacts), object), "drop": impacts.drop, "impact": impacts.impact,
+                       "v": impacts.v, "eps": impacts.eps})
+    return bl.Samples({name: np.concatenate([table[name] for table in tables]) for name in tables[0]})
+
+
+class Recordings(Case):
+    @classmethod
+    def setUpClass(cls):
+        cls.samples = of_recordings()
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", bl.BouncelabWarning)
+            cls.fit = bl.fit(cls.samples, goodness_replicates=0, nodes=[0.8, 1.1])
+            cls.plates = bl.fit(cls.samples, groups={"a.wav": "A", "b.wav": "B", "c.wav": "B"}, goodness_replicates=0)
+
+    def setUp(self):
+        super().setUp()
+        warnings.simplefilter("ignore", bl.BouncelabWarning)
+        self.addCleanup(warnings.resetwarnings)
+
+    def test_a_row_each(self):
+        rows = self.fit.recordings
+        self.assertEqual([row["recording"] for row in rows], ["a.wav", "b.wav", "c.wav"])
+        self.assertEqual([row["n_drops"] for row in rows], [2, 2, 1])
+        for row, answer in zip(rows, self.fit.results["answer"]["recordings"]):
+            self.assertEqual((row["eps"], [row["lo95"], row["hi95"]]), (answer["at"]["eps"], answer["at"]["ci95"]))
+            self.assertEqual(list(row), ["recording", "v_mps", "eps", "se", "lo95", "hi95", "n", "n_drops", "missing"])
+
+    def test_one_recording_has_a_row_too(self):
+        alone = bl.fit(self.samples[self.samples.recording == "c.wav"], goodness_replicates=0)
+        row, = alone.recordings
+        self.assertEqual((row["recording"], row["n"], row["eps"]), ("c.wav", 30, alone.results["answer"]["at"]["eps"]))
+        self.assertIs(alone.of("c.wav"), alone)
+        few, = bl.fit(bl.Samples(v=[np.nan], eps=[0.9])).recordings
+        self.assertTrue(np.isnan(few["eps"]) and few["missing"])
+
+    def test_the_fit_of_one_is_that_of_its_samples_alone(self):
+        found = self.fit.of("b.wav")
+        alone = bl.fit(self.samples[30 * 2:30 * 4], goodness_replicates=0, nodes=[0.8, 1.1])
+        self.assertEqual(found.results, alone.results)
+        row = self.fit.results["recordings"][1]
+        self.assertEqual([found.nodes[node["v_mps"]].value for node in row["nodes"]], [node["eps"] for node in row["nodes"]])
+        with self.assertRaisesRegex(KeyError, "'d.wav': the fit is of 'a.wav', 'b.wav', 'c.wav'"):
+            self.fit.of("d.wav")
+        with self.assertRaisesRegex(ValueError, "samples are needed"):
+            bl.Fit(self.fit._text).of("a.wav")
+
+    def test_plates(self):
+        self.assertEqual([row["recording"] for row in self.plates.recordings], ["A", "B"])
+        found = self.plates.of("B")
+        self.assertEqual(found.results["n_used"], 90)
+        self.assertEqual([row["recording"] for row in found.recordings], ["b.wav", "c.wav"])
+        columns = {"recording": ["a.wav", "b.wav", "c.wav"], "plate": ["A", "B", "B"]}
+        for groups in [columns] + ([pandas.DataFrame(columns)] if pandas is not None else []):
+            self.assertEqual(bl.fit(self.samples, groups=groups, goodness_replicates=0).results, self.plates.results)
+        with self.assertRaisesRegex(TypeError, "int given; groups is a table"):
+            bl.fit(self.samples, groups=3)
+
+    def test_a_comparison_takes_plates_in_memory_too(self):
+        comparison = bl.compare(self.samples, groups={"a.wav": "A", "b.wav": "B", "c.wav": "B"})
+        self.assertEqual([row["plate"] for row in comparison.recordings], ["A", "B", "B"])
+
+    @unittest.skipIf(pandas is None, "pandas is not installed")
+    def test_pandas_makes_a_table_of_them(self):
+        self.assertEqual(pandas.DataFrame(self.fit.recordings).shape, (3, 9))
+
+
 class Tables(Case):
     @classmethod
     def setUpClass(cls):
@@ -185,6 +256,42 @@ class Tables(Case):
             self.onsets["nothing"]
         again = bl.restitution(self.onsets.to_dict())
         np.testing.assert_array_equal(again.eps, self.samples.eps)
+
+    def test_rows(self):
+        for rows in (slice(5), slice(None, None, 30), self.onsets.drop == 2, [3, 1], np.array([], int)):
+            some = self.onsets[rows]
+            self.assertIs(type(some), bl.Onsets)
+            for name, values in self.onsets.items():
+                np.testing.assert_array_equal(some[name], values[rows])
+        with self.assertRaisesRegex(KeyError, "3: the name of a column, a slice or a mask"):
+            self.onsets[3]
+
+    def test_equality(self):
+        self.assertEqual(self.onsets, copy.deepcopy(self.onsets))
+        self.assertNotEqual(self.onsets, self.onsets[1:])
+        self.assertNotEqual(self.onsets, self.samples)
+        self.assertNotEqual(self.onsets, 3)
+
+    def test_short_names_in_a_dict(self):
+        self.assertEqual(list(bl.Samples.of({"v": [1.0], "eps": [0.9]})), ["v_mps", "eps"])
+
+    def test_one_row_is_one_row(self):
+        self.assertRegex(repr(self.onsets[:1]), "Onsets: 1 row of recording, ")
+
+    def test_an_analysis_stands_for_its_samples_and_its_fit(self):
+        analysis = bl.analyze(os.path.join(SAMPLES, "clean.flac"))
+        self.assertEqual(bl.fit(analysis).results["n_used"], len(analysis.samples))
+        self.assertEqual(bl.dem(analysis, code="lammps"), bl.dem(analysis.fit, code="lammps"))
+
+    def test_what_is_temporary_goes_without_a_warning(self):
+        with warnings.catch_warnings():
+            warnings.simplefilter("error", ResourceWarning)
+            with self.assertRaises(FileNotFoundError):
+                bl.analyze("/nonexistent.wav")
+            analysis = bl.analyze(os.path.join(SAMPLES, "clean.flac"))
+            folder = analysis.folder
+            del analysis
+        self.assertFalse(os.path.exists(folder))
 
     def test_pickles_and_copies(self):
         import pickle
@@ -242,7 +349,7 @@ class Tables(Case):
         for column in ("drop", "v_mps", "eps", "sigma_eps"):
             np.testing.assert_array_equal(found[column], expected[column])
         np.testing.assert_array_equal(bl.restitution(heights=np.array([1, 0.81])).eps, [0.9])
-        for heights, unit, message in [([1, 0], "m", "a height of 0"), ([1], "m", "one height"), ([1, 0.8], "s", "--unit s"),
+        for heights, unit, message in [([1, 0], "m", "a height of 0"), ([1], "m", "one height"), ([1, 0.8], "s", "unit='s'"),
                                        ([], "m", "no line"), ([1, float("nan")], "m", "nan")]:
             with self.subTest(heights), self.assertRaisesRegex(ValueError, message):
                 bl.restitution(heights=heights, unit=unit)
@@ -302,6 +409,19 @@ class Pictures(Case):
         np.testing.assert_allclose(curve.get_ydata(), self.fit.eps(curve.get_xdata()).value)
         with self.assertRaisesRegex(ValueError, "window 99: the fit has"):
             bl.plot.density(self.fit, window=99)
+        self.assertEqual(axes[1].get_ylabel(), "probability density p(ε)")
+        self.assertEqual([text.get_text() for text in axes[1].get_legend().get_texts()][1], "two exponentials, fitted")
+        self.assertRegex(axes[1].get_title(), "^impact speeds from .* to .* m/s$")
+
+    def test_what_cannot_be_drawn_says_why(self):
+        few = bl.fit(bl.Samples(v=[1.0, 0.9], eps=[0.9, 0.9]))
+        with self.assertRaisesRegex(ValueError, "no window of speed"):
+            bl.plot.density(few)
+        for samples in ("drop.wav", np.zeros(0), None):
+            with self.assertRaisesRegex(ValueError, "samples and their rate"):
+                bl.plot.sound(samples, 48000)
+        sound = small_sound(bl, small_impacts(bl, drops=1))
+        self.assertEqual(bl.plot.sound(sound).get_xlabel(), "time (s)")
 
     def test_notebooks_show_the_answer_and_a_picture(self):
         from matplotlib import pyplot

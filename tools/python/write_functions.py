@@ -82,9 +82,9 @@ FUNCTIONS = {
     "fit": dict(
         what="The law eps(v) and the distribution of eps about it.",
         positional=[("samples", "Samples, mapping or path", None, "Columns ``v_mps`` and ``eps`` are enough.")],
-        keywords=[("groups", "path", None,
-                   "Table of columns recording and plate: the recordings of a plate are fitted together, and each plate "
-                   "has its own constants and slopes.")],
+        keywords=[("groups", "DataFrame, dict or path", None,
+                   "Table of columns recording and plate, as a DataFrame, a dict {recording: plate} or the name of a file: "
+                   "the recordings of a plate are fitted together, and each plate has its own constants and slopes.")],
         returns=("Fit", "Curve, constants and slopes with intervals."),
         call="_stages.fit(samples, groups, given, progress)",
         example='''
@@ -231,7 +231,7 @@ def documented(option):
 
 
 def help_of(option):
-    text, (_, _, limits) = option["help"].replace("--", "").strip(), option["type"].partition(":")
+    text, (_, _, limits) = _core.with_keywords(option["help"]).strip(), option["type"].partition(":")
     text = text if text[0] not in "abcdefghijklmnopqrstuvwxyz" else text[0].upper() + text[1:]
     if limits and not choices(option):
         text += f"; {limits}"
@@ -245,7 +245,8 @@ def function(name, spec):
     positional, keywords = spec.get("positional", []), spec.get("keywords", [])
     arguments = [f"{key}: Any" + (f" = {default}" if default else "") for key, _, default, _ in positional] + ["*"]
     for key, kind, default, _ in keywords:
-        arguments.append(f"{key}: {HINTS[kind] if default else f'Optional[{HINTS[kind]}]'} = {default!r}")
+        of_one = HINTS.get(kind, "Any")
+        arguments.append(f"{key}: {of_one if default else f'Optional[{of_one}]'} = {default!r}")
     for option in options:
         arguments.append(f"{option['keyword']}: " + ("bool = False" if option["flag"] else f"{hint(option)} = None"))
     if spec.get("progress", True):

@@ -150,6 +150,7 @@ Detection detect_in(const std::vector<audio::AudioSource>& channels, std::vector
                     const std::string& name, const DetectionConfig& config, int n_threads,
                     const ProgressCallback& progress) {
   const auto n_channels = static_cast<int>(channels.size());
+  check_options(config);
   for (const auto& [what, value] :
        {std::pair{"gravity_mps2 ", config.gravity_mps2}, {"drop_height_m ", config.drop_height_m.value_or(1.0)}})
     if (!(value > 0.0 && std::isfinite(value)))

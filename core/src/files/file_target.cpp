@@ -83,7 +83,7 @@ FileTarget target_of(const fs::path& path, int descriptor_of_dash) {
     struct stat status {};
     if (::lstat(at.c_str(), &status) != 0) {
       if (errno == ENOENT || errno == ENOTDIR) return {FileTarget::Kind::absent, at, -1, 0, 0, 0};
-      throw FileError(name, "cannot be used: " + std::string(std::strerror(errno)));
+      throw FileError(name, "cannot be used: " + std::string(std::strerror(errno)), errno);
     }
     if (!S_ISLNK(status.st_mode)) return described(status, at);
     std::error_code error;

@@ -36,7 +36,7 @@ std::size_t read_some(int descriptor, std::vector<char>& buffer, const std::stri
     const ssize_t n = ::read(descriptor, buffer.data(), buffer.size());
     if (n >= 0) return static_cast<std::size_t>(n);
     if (errno != EINTR && errno != EAGAIN)
-      throw FileError(name, "cannot be read: " + std::string(std::strerror(errno)));
+      throw FileError(name, "cannot be read: " + std::string(std::strerror(errno)), errno);
   }
 }
 
@@ -64,7 +64,8 @@ bool is_file_from_its_beginning(const FileTarget& target) {
 Descriptor opened(const FileTarget& target, const std::string& name) {
   // not to wait for a FIFO's writer here: read_some does, and sees signals meanwhile
   Descriptor file(::open(target.path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
-  if (!file.is_open()) throw FileError(name, "cannot be opened for reading: " + std::string(std::strerror(errno)));
+  if (!file.is_open())
+    throw FileError(name, "cannot be opened for reading: " + std::string(std::strerror(errno)), errno);
   return file;
 }
 
@@ -91,14 +92,15 @@ fs::path readable(const fs::path& path) {
       !path.native().starts_with("/proc/"))
     return path;
   const std::string name = input_name(path);
+  if (path.empty()) throw FileError("''", "no such file; check the name", ENOENT);  // or the folder that one is in
   static std::mutex mutex;
   static std::map<std::string, fs::path> known;
   const std::lock_guard lock(mutex);
   if (const auto found = known.find(path.native()); found != known.end()) return found->second;
   const FileTarget target = target_of(path, STDIN_FILENO);
-  if (target.kind == FileTarget::Kind::absent) throw FileError(name, "no such file; check the name");
+  if (target.kind == FileTarget::Kind::absent) throw FileError(name, "no such file; check the name", ENOENT);
   if (target.kind == FileTarget::Kind::folder)
-    throw FileError(name, "is a folder; name a file in it, or all: " + name + "/*");
+    throw FileError(name, "is a folder; name a file in it, or all: " + name + "/*", EISDIR);
   if (target.kind == FileTarget::Kind::regular) return path;
   return known[path.native()] = copied(target, name);
 }
@@ -109,7 +111,8 @@ FileBytes::FileBytes(const fs::path& path) : FileBytes(-1, input_name(path)) {
   const auto file = std::make_shared<Descriptor>(::open(readable(path).c_str(), O_RDONLY | O_CLOEXEC));
   if (!file->is_open())
     throw FileError(name_,
-                    "cannot be opened for reading (" + std::string(std::strerror(errno)) + "); check its permissions");
+                    "cannot be opened for reading (" + std::string(std::strerror(errno)) + "); check its permissions",
+                    errno);
   *this = FileBytes(file->get(), name_);
   opened_ = file;
 }
@@ -149,7 +152,8 @@ std::string FileBytes::text(std::int64_t first, std::size_t n) {
 
 void FileBytes::check() const {
   if (error_ != 0)
-    throw FileError(name_, std::string("cannot be read (") + std::strerror(error_) + "); copy it to a local disk");
+    throw FileError(name_, std::string("cannot be read (") + std::strerror(error_) + "); copy it to a local disk",
+                    error_);
 }
 
 std::string whole_content(const fs::path& path) {

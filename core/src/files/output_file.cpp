@@ -46,7 +46,7 @@ Descriptor opened_for_writing(const FileTarget& target, const std::string& name)
     Descriptor file(::open(target.path.c_str(), O_WRONLY | O_CLOEXEC | O_NOCTTY | O_NONBLOCK));
     if (file.is_open()) return file;
     if (errno != ENXIO || !S_ISFIFO(target.mode))
-      throw FileError(name, "cannot be opened for writing: " + std::string(std::strerror(errno)));
+      throw FileError(name, "cannot be opened for writing: " + std::string(std::strerror(errno)), errno);
     throw_if_stop_requested();
     ::usleep(100'000);
   }
@@ -121,7 +121,8 @@ struct OutputFile::State {
   }
 
   void check(int error) const {
-    if (error != 0) throw FileError(path.string(), "cannot be put in place: " + std::string(std::strerror(error)));
+    if (error != 0)
+      throw FileError(path.string(), "cannot be put in place: " + std::string(std::strerror(error)), error);
   }
 };
 

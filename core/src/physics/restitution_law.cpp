@@ -25,8 +25,18 @@ double evaluate(const ViscoelasticLaw& law, double v_mps) {
 
 double evaluate(const ConstantLaw& law, double) { return law.eps; }
 
+void require(bool holds, std::string_view message) {
+  if (!holds) throw InvalidArgument("restitution law: " + std::string(message));
+}
+
+void require_rows(const TableLaw& law) {
+  require(!law.v_mps.empty() && law.v_mps.size() == law.eps.size(),
+          "the table needs at least one row, and as many speeds as values");
+}
+
 /// The number of the first speed above v.
 std::size_t above(const TableLaw& law, double v_mps) {
+  require_rows(law);
   return static_cast<std::size_t>(std::upper_bound(law.v_mps.begin(), law.v_mps.end(), v_mps) - law.v_mps.begin());
 }
 double evaluate(const TableLaw& law, double v_mps) {
@@ -59,10 +69,6 @@ double slope(const TableLaw& law, double v_mps) {
   return (law.eps[k] - law.eps[k - 1]) / (law.v_mps[k] - law.v_mps[k - 1]);
 }
 
-void require(bool holds, const std::string& message) {
-  if (!holds) throw InvalidArgument("restitution law: " + message);
-}
-
 void check(const SeriesLaw& law) {
   require(law.a.size() <= kViscoelasticC.size(), "A_i are known up to i = 10 only");
   for (const double a : law.a) require(std::isfinite(a), "every A_i must be a finite number");
@@ -77,8 +83,7 @@ void check(const ConstantLaw& law) {
 }
 
 void check(const TableLaw& law) {
-  require(!law.v_mps.empty() && law.v_mps.size() == law.eps.size(),
-          "the table needs at least one row, and as many speeds as values");
+  require_rows(law);
   for (std::size_t k = 0; k < law.v_mps.size(); ++k) {
     require(std::isfinite(law.v_mps[k]) && law.v_mps[k] >= 0.0 && std::isfinite(law.eps[k]),
             "row " + std::to_string(k + 1) + " of the table is not a finite speed and a finite value");

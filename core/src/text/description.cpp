@@ -197,6 +197,39 @@ std::vector<std::string> choices_of(const Member& member) {
   return member.choices.empty() ? std::vector<std::string>{} : between_commas(member.choices);
 }
 
+namespace {
+
+/// As they would be typed one by one.
+std::vector<std::string> texts_of(const Member& member, const Value& value) {
+  if (!is_repeated(member)) return {text_of(value)};
+  return std::visit(
+      [](const auto& all) {
+        std::vector<std::string> texts;
+        if constexpr (describe_detail::IsVector<std::remove_cvref_t<decltype(all)>>::value)
+          if constexpr (!std::is_same_v<std::remove_cvref_t<decltype(all)>, Object>)
+            for (const auto& element : all) texts.push_back(text_of(Value(element)));
+        return texts;
+      },
+      static_cast<const Value::variant&>(value));
+}
+
+}  // namespace
+
+void check_options(Description description, const void* object) {
+  for (const Member& member : description) {
+    if (member.write == nullptr) continue;
+    const Value value = member.get(object);
+    if (std::holds_alternative<std::monostate>(value)) continue;
+    try {
+      for (const std::string& text : texts_of(member, value))
+        if (std::holds_alternative<std::monostate>(value_from_text(member, text)))
+          throw InvalidArgument("'" + text + "' stands for a value that is not known; leave it empty");
+    } catch (const InvalidArgument& error) {
+      throw InvalidArgument(std::string(member.name) + ": " + error.what());
+    }
+  }
+}
+
 std::string option_name(const Member& member) {
   std::string name(member.name);
   std::replace(name.begin(), name.end(), '_', '-');

@@ -7,7 +7,9 @@
 #include <utility>
 
 #include "bouncelab/core/elementary.hpp"
+#include "bouncelab/core/error.hpp"
 #include "bouncelab/core/parallel.hpp"
+#include "bouncelab/fit/fit.hpp"
 #include "law/goodness.hpp"
 #include "law/law_likelihood.hpp"
 #include "law/law_model.hpp"
@@ -105,6 +107,17 @@ double ScatterModel::variance(double v_mps) const {
 }
 
 LawFit fit_law(const RestitutionSamples& samples, const LawFitConfig& config) {
+  constexpr std::size_t kMostScatterTerms = 10;
+  FitConfig described;
+  described.law = config;
+  described.law.node_speeds_mps.clear();  // those of fit_all go with the samples
+  check_options(described);
+  for (const double v_mps : config.node_speeds_mps)
+    if (!(v_mps > 0.0 && std::isfinite(v_mps)))
+      throw InvalidArgument("nodes: " + short_number(v_mps) + " m/s must be finite and above 0");
+  if (config.n_scatter_terms > kMostScatterTerms)
+    throw InvalidArgument("n_scatter_terms: " + std::to_string(config.n_scatter_terms) + " must be from 0 to " +
+                          std::to_string(kMostScatterTerms));
   LawFit fit;
   // once for the whole search, not for each of its likelihoods
   with_threads(0, [&] { fit = fitted_law(samples, config); });

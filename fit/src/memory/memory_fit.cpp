@@ -320,6 +320,7 @@ Roughness equivalent_surfaces(const Estimate& q, double inertia_factor) {
 }
 
 RoughnessResult measure_roughness(const RestitutionSamples& samples, const RoughnessConfig& config) {
+  check_options(config);
   RoughnessResult result;
   LeftOut left_out;
   const PartOfSamples part = usable_samples(samples, left_out);

@@ -154,9 +154,13 @@ RestitutionSamples samples_of_drop(std::span<const Onset> drop, const Restitutio
     for (std::size_t k = 1; k + 1 < piece.size(); ++k) samples.push_back(sample_at(piece, k, config));
   };
   for (std::size_t k = 0; k < drop.size(); ++k) {
-    if (k > 0 && drop[k].t_s <= drop[k - 1].t_s)
+    if (k > 0 && !(drop[k].t_s > drop[k - 1].t_s))
       throw InvalidArgument("onset " + std::to_string(drop[k].impact) + " of drop " + std::to_string(drop[k].drop) +
                             ": times must increase within a drop; sort the onsets");
+    if (k > 0 && drop[k].impact <= drop[k - 1].impact)
+      throw InvalidArgument("drop " + std::to_string(drop[k].drop) + ": impact " + std::to_string(drop[k].impact) +
+                            " follows impact " + std::to_string(drop[k - 1].impact) +
+                            "; number the impacts of a drop in their order, 0, 1, 2 ...");
     if (const std::optional<Flag> flag = breaking_flag(drop[k])) {
       ++counts.breaks[*flag];
       close_piece(k);
@@ -191,18 +195,12 @@ std::optional<double> median_eps(const RestitutionSamples& samples) {
 }
 
 void check(const RestitutionConfig& config) {
-  const auto positive = [](double value, const char* quantity) {
+  check_options(config);
+  if (!config.ball) return;
+  for (const auto& [value, quantity] : {std::pair{config.ball->radius_m, "radius of the ball [m]"},
+                                        {config.ball->material.density_kgpm3, "density of the ball [kg/m^3]"}})
     if (!(value > 0.0) || !std::isfinite(value))
       throw InvalidArgument(std::string(quantity) + " " + std::to_string(value) + ": must be positive");
-  };
-  positive(config.gravity_mps2, "gravity [m/s^2]");
-  if (config.drop_height_m) positive(*config.drop_height_m, "drop height [m]");
-  if (config.ball) {
-    positive(config.ball->radius_m, "radius of the ball [m]");
-    positive(config.ball->material.density_kgpm3, "density of the ball [kg/m^3]");
-  }
-  if (!(config.air_kgpm3 >= 0.0) || !std::isfinite(config.air_kgpm3))
-    throw InvalidArgument("density of the air [kg/m^3] " + std::to_string(config.air_kgpm3) + ": must not be negative");
 }
 
 SampleConditions conditions_of(const RestitutionConfig& config) {

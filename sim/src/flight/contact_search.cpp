@@ -14,8 +14,9 @@ namespace {
 
 using PathNode = DraggedPath::Node;
 
-/// Shortest step: at the summit itself.
-constexpr double kShortestStep_s = 1e-7;
+/// Shortest step: at the summit itself. The drag of what rises and falls back within a thousandth of the flight's time
+/// from there moves the ball by less than 1e-13 m.
+constexpr double kShortestStep_s = 1e-7, kShortestOfFall = 1e-3;
 
 template <class Acceleration>
 PathNode stepped(const PathNode& from, double h, const Acceleration& acceleration) {
@@ -56,11 +57,13 @@ DraggedPath::DraggedPath(const Ball& ball, const Air& air, const BallState& star
   const auto acceleration = [&](Vector3 v) { return gravity_mps2 + drag_acceleration_mps2(ball, air, v); };
   const Vector3 v = start.motion.velocity_mps;
   const double g = -gravity_mps2.z;
+  nodes_.reserve(100);
   nodes_.push_back({0.0, {start.x_m, start.y_m, start.clearance_m}, v, acceleration(v)});
   const double fall_s = std::sqrt(v.z * v.z + 2.0 * g * std::max(0.0, start.clearance_m)) / g;
+  const double shortest_s = std::max(kShortestStep_s, kShortestOfFall * fall_s);
   while (nodes_.back().place_m.z > 0.0 || nodes_.back().velocity_mps.z > 0.0 || nodes_.size() < 2) {
     const double to_summit_s = std::abs(nodes_.back().velocity_mps.z) / g;
-    const double h = std::clamp(0.25 * to_summit_s, kShortestStep_s, std::max(kShortestStep_s, fall_s / 128.0));
+    const double h = std::clamp(0.25 * to_summit_s, shortest_s, std::max(shortest_s, fall_s / 32.0));
     nodes_.push_back(stepped(nodes_.back(), h, acceleration));
   }
   // drag adds to gravity only on the way up, where the start is fastest

@@ -17,7 +17,7 @@ numbers. Times are in seconds, speeds in m/s; full scale of sound is 1.
 """
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, List
 
 from . import _core
 from ._functions import analyze, compare, dem, detect, fit, loop, restitution, roughness, simulate, synthesize, validate
@@ -60,3 +60,7 @@ def __getattr__(name: str) -> Any:
 
         return importlib.import_module(".plot", __name__)
     raise AttributeError(f"module 'bouncelab' has no attribute '{name}'")
+
+
+def __dir__() -> List[str]:
+    return sorted([*__all__, "__version__"])

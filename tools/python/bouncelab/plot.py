@@ -26,8 +26,8 @@ def restitution(fit: Any, ax: Optional[Axes] = None) -> Axes:
 
     Parameters
     ----------
-    fit : Fit
-        As `bouncelab.fit` gives it.
+    fit : Fit or Analysis
+        As `bouncelab.fit` and `bouncelab.analyze` give it.
     ax : matplotlib.axes.Axes, optional
         Where to draw.
 
@@ -37,7 +37,10 @@ def restitution(fit: Any, ax: Optional[Axes] = None) -> Axes:
         Where it was drawn.
     """
     ax = _axes(ax)
+    fit = getattr(fit, "fit", fit)
     curve = fit.results["curve"]
+    if curve is None:
+        raise ValueError(f"the fit has no curve to draw: {fit._why()}")
     v = np.array([p["v_mps"] for p in curve["points"] or curve["nodes"]])
     shown = fit.shown_samples() if fit.samples is not None else None
     if shown is not None:
@@ -64,8 +67,8 @@ def density(fit: Any, window: Optional[int] = None, ax: Optional[Axes] = None) -
 
     Parameters
     ----------
-    fit : Fit
-        As `bouncelab.fit` gives it.
+    fit : Fit or Analysis
+        As `bouncelab.fit` and `bouncelab.analyze` give it.
     window : int, optional
         Number of the window, in the order of ``fit.results["histograms"]``; that of the most impacts where absent.
     ax : matplotlib.axes.Axes, optional
@@ -76,32 +79,34 @@ def density(fit: Any, window: Optional[int] = None, ax: Optional[Axes] = None) -
     matplotlib.axes.Axes
         Where it was drawn.
     """
-    windows = fit.results["histograms"]
+    windows = getattr(fit, "fit", fit).results["histograms"]
+    if not windows:
+        raise ValueError("no window of speed has as many bounces as a density needs: some 30")
     if window is None:
         window = max(range(len(windows)), key=lambda k: windows[k]["n"], default=0)
     if not 0 <= window < len(windows):
-        raise ValueError(f"window {window}: the fit has {len(windows)} windows of speed")
+        raise ValueError(f"window {window}: the fit has windows 0 to {len(windows) - 1} of speed")
     found = windows[window]
     ax = _axes(ax)
     edges, counts = np.array(found["bins"]["eps_edges"]), np.array(found["bins"]["counts"])
-    ax.stairs(counts / (found["n"] * np.diff(edges)), edges, fill=True, color="0.8", label=f"{found['n']} impacts")
-    ax.plot(found["curve"]["eps"], found["curve"]["density"], color="C0", label="fit")
-    ax.set_title(f"{found['v_lo_mps']:.3g} to {found['v_hi_mps']:.3g} m/s")
+    ax.stairs(counts / (found["n"] * np.diff(edges)), edges, fill=True, color="0.8", label=f"{found['n']} bounces")
+    ax.plot(found["curve"]["eps"], found["curve"]["density"], color="C0", label="two exponentials, fitted")
+    ax.set_title(f"impact speeds from {found['v_lo_mps']:.3g} to {found['v_hi_mps']:.3g} m/s")
     ax.set_xlabel("coefficient of restitution ε")
-    ax.set_ylabel("density p(ε)")
+    ax.set_ylabel("probability density p(ε)")
     ax.legend(frameon=False)
     return ax
 
 
-def sound(samples: Any, rate: float, onsets: Optional[Any] = None, ax: Optional[Axes] = None) -> Axes:
+def sound(samples: Any, rate: Optional[float] = None, onsets: Optional[Any] = None, ax: Optional[Axes] = None) -> Axes:
     """Sound as the extremes of 2,000 stretches of time, with a mark for each impact.
 
     Parameters
     ----------
-    samples : array
+    samples : array or Recording
         (frames,) or (frames, channels), of which the first is drawn.
     rate : float
-        Sampling rate [Hz].
+        Sampling rate [Hz]; a Recording has its own.
     onsets : Onsets, optional
         Impacts to mark.
     ax : matplotlib.axes.Axes, optional
@@ -112,8 +117,11 @@ def sound(samples: Any, rate: float, onsets: Optional[Any] = None, ax: Optional[
     matplotlib.axes.Axes
         Where it was drawn.
     """
+    rate = getattr(samples, "rate", rate)
+    samples = np.asarray(getattr(samples, "samples", samples))
+    if samples.dtype.kind not in "fi" or samples.ndim not in (1, 2) or len(samples) == 0 or rate is None:
+        raise ValueError("samples and their rate are needed: sound(samples, rate)")
     ax = _axes(ax)
-    samples = np.asarray(samples)
     samples = samples[:, 0] if samples.ndim == 2 else samples
     if samples.dtype.kind == "i":
         samples = samples / -float(np.iinfo(samples.dtype).min)

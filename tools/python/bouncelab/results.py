@@ -2,6 +2,7 @@
 """What the functions give back: tables of arrays, and fits."""
 from __future__ import annotations
 
+import copy
 import json
 import os
 import warnings
@@ -34,6 +35,10 @@ class Estimate(NamedTuple):
     hi95: Any
 
 
+def _counted(n: int, noun: str) -> str:
+    return f"{n} {noun}{'' if n == 1 else 's'}"
+
+
 def _estimate(found: Mapping[str, Any], value: str = "value") -> Estimate:
     lo, hi = found["ci95"] or (None, None)
     return Estimate(*(float("nan") if x is None else x for x in (found[value], found["se"], lo, hi)))
@@ -63,7 +68,7 @@ class Table(Mapping[str, Any]):
     def __init__(self, columns: Optional[Mapping[str, Any]] = None, *, summary: Optional[dict] = None, **arrays: Any):
         import numpy as np
 
-        self._columns: Dict[str, Any] = dict(columns or {})
+        self._columns: Dict[str, Any] = {self._short.get(name, name): values for name, values in (columns or {}).items()}
         for name, values in arrays.items():
             if name not in self._short and name not in self._short.values():
                 raise TypeError(f"{type(self).__name__} has no column '{name}'; it has {', '.join(self._short)}")
@@ -84,6 +89,8 @@ class Table(Mapping[str, Any]):
             raise TypeError("Onsets given; Samples are needed: restitution(onsets)")
         if isinstance(values, Mapping):
             return cls(values)
+        if cls is Samples and isinstance(values, Analysis):
+            return values.samples
         raise TypeError(f"{type(values).__name__} given; {cls.__name__}, columns by name or the name of a file are needed")
 
     @classmethod
@@ -133,8 +140,29 @@ class Table(Mapping[str, Any]):
 
         return pd.DataFrame(self._columns)
 
-    def __getitem__(self, name: str) -> Any:
-        return self._columns[self._short.get(name, name)]
+    def __getitem__(self, name: Any) -> Any:
+        """A column by its name; by a slice, numbers or a mask of rows a table of these."""
+        if isinstance(name, str):
+            return self._columns[self._short.get(name, name)]
+        if not isinstance(name, slice) and not hasattr(name, "__len__"):
+            raise KeyError(f"{name!r}: the name of a column, a slice or a mask of rows")
+        import numpy as np
+
+        rows = name if isinstance(name, slice) else np.asarray(name)
+        some = copy.copy(self)
+        some._columns = {column: np.asarray(values)[rows] for column, values in self._columns.items()}
+        return some
+
+    def __eq__(self, other: Any) -> Any:
+        """Whether type, columns and rows are the same; NaN is NaN."""
+        if type(self) is not type(other):
+            return NotImplemented
+        import numpy as np
+
+        return list(self) == list(other) and all(
+            np.array_equal(values, other[name], equal_nan=np.asarray(values).dtype.kind == "f") for name, values in self.items())
+
+    __hash__ = None  # type: ignore[assignment]
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._columns)
@@ -145,7 +173,7 @@ class Table(Mapping[str, Any]):
 
     def __getattr__(self, name: str) -> Any:
         if name.startswith("_") or name not in self._short:
-            raise AttributeError(f"'{type(self).__name__}' has no attribute '{name}'")
+            raise AttributeError(f"'{type(self).__name__}' has no attribute '{name}'; its columns are {', '.join(self._short)}")
         try:
             return self._columns[self._short[name]]
         except KeyError:
@@ -155,7 +183,7 @@ class Table(Mapping[str, Any]):
         return sorted({*super().__dir__(), *self._short})
 
     def __repr__(self) -> str:
-        return f"<{type(self).__name__}: {len(self)} rows of {', '.join(self._columns)}>"
+        return f"<{type(self).__name__}: {_counted(len(self), 'row')} of {', '.join(self._columns) or 'no column'}>"
 
     def _repr_html_(self) -> str:
         from .notebook import table_html
@@ -195,7 +223,7 @@ class Onsets(Table):
     @property
     def message(self) -> str:
         """What was found, or why nothing was: a line for each recording."""
-        return "\n".join(f"{r['recording']}: {r['message']}" for r in self.summary.get("recordings", []))
+        return "\n".join(_core.with_keywords(f"{r['recording']}: {r['message']}") for r in self.summary.get("recordings", []))
 
     def _wave_json(self) -> str:
         """Envelope and excerpts of the first recording, for a report; empty where its sound is not there."""
@@ -260,7 +288,7 @@ class Recording:
         _core.write_sound(os.fspath(path), self.samples, self.rate, self._bits, force)
 
     def __repr__(self) -> str:
-        return f"<Recording {self.name}: {self.duration:.1f} s at {self.rate} Hz, {len(self.truth)} impacts>"
+        return f"<Recording {self.name}: {self.duration:.1f} s at {self.rate} Hz, {_counted(len(self.truth), 'impact')}>"
 
     def _repr_html_(self) -> str:
         from .notebook import recording_html
@@ -277,10 +305,16 @@ class Fit:
         fit.json as the command line writes it, too.
     samples : Samples, optional
         What was fitted; few samples are shown one by one in pictures and reports.
+    keywords : dict, optional
+        Those that it was made with.
+    plates : dict, optional
+        The plate of each recording.
     """
 
-    def __init__(self, text: str, samples: Optional[Samples] = None):
+    def __init__(self, text: str, samples: Optional[Samples] = None, keywords: Optional[Dict[str, Any]] = None,
+                 plates: Optional[Dict[str, str]] = None):
         self._text = text
+        self._keywords, self._plates = keywords or {}, plates or {}
         #: fit.json as a dict (docs/formats.md).
         self.results: dict = json.loads(text)
         if "scatter" not in self.results:
@@ -313,12 +347,12 @@ class Fit:
     @property
     def warnings(self) -> List[str]:
         """What to know before use, most important first."""
-        return [note["text"] for note in self.results["notes"] if note["severity"] != "detail"]
+        return [_core.with_keywords(note["text"]) for note in self.results["notes"] if note["severity"] != "detail"]
 
     @property
     def answer(self) -> str:
         """The result in a few sentences."""
-        return "\n".join(self.results["answer"]["sentences"])
+        return _core.with_keywords("\n".join(self.results["answer"]["sentences"]))
 
     @property
     def parameters(self) -> Dict[str, Estimate]:
@@ -335,6 +369,52 @@ class Fit:
         rows = of_all + [(row["recording"], row["slopes"]) for row in self.results["recordings"]]
         names = ("v_mps", "n", "peak_eps", "slope_rising", "slope_falling", "slope_ratio")
         return [dict({name: window[name] for name in names}, recording=recording) for recording, windows in rows for window in windows]
+
+    @property
+    def recordings(self) -> List[Dict[str, Any]]:
+        """Each recording alone, or each plate where there are ``groups``, a dict for each (``pandas.DataFrame(fit.recordings)``):
+        ``recording``, at the speed ``v_mps`` that is common to most ``eps`` with ``se``, ``lo95`` and ``hi95``; ``n`` samples
+        of ``n_drops``; ``missing`` says why eps is NaN. `of` has the whole curve."""
+        answer = self.results["answer"]
+        rows = [{"recording": row["recording"], "at": answer_of["at"], "n": row["n"], "n_drops": row["n_drops"],
+                 "missing": _core.with_keywords(answer_of["missing"])}
+                for row, answer_of in zip(self.results["recordings"], answer["recordings"])]
+        if not rows:  # there is one
+            names = [] if self.samples is None else list(self.samples.get("recording", ()))[:1]
+            rows = [{"recording": self._plates.get(*names * 2) if names else "", "at": answer["at"],
+                     "n": self.results["n_used"], "n_drops": answer["seen"]["n_drops"],
+                     "missing": "" if answer["at"] else self._why()}]
+        for row in rows:
+            at = row.pop("at")
+            value, se, lo95, hi95 = _estimate(at, "eps") if at else [float("nan")] * 4
+            row.update(v_mps=at["v_mps"] if at else float("nan"), eps=value, se=se, lo95=lo95, hi95=hi95)
+        order = ("recording", "v_mps", "eps", "se", "lo95", "hi95", "n", "n_drops", "missing")
+        return [{name: row[name] for name in order} for row in rows]
+
+    def of(self, recording: str) -> Fit:
+        """The fit of one recording alone, or of one plate where there are ``groups``: of its samples, with the same keywords.
+
+        Parameters
+        ----------
+        recording : str
+            Its name, as in `recordings`.
+
+        Returns
+        -------
+        Fit
+            As `bouncelab.fit` of these samples alone gives it.
+        """
+        names = [row["recording"] for row in self.recordings]
+        if recording not in names:
+            raise KeyError(f"{recording!r}: the fit is of {', '.join(map(repr, names))}")
+        if len(names) == 1:
+            return self
+        if self.samples is None:
+            raise ValueError("the samples are needed, which fit.json has not: fit them anew")
+        from .stages import fit
+
+        rows = [self._plates.get(name, name) == recording for name in self.samples["recording"]]
+        return fit(self.samples[rows], None, self._keywords, None)
 
     @property
     def nodes(self) -> Dict[float, Estimate]:
@@ -384,7 +464,7 @@ class Fit:
     def _why(self) -> str:
         """Why there are no constants, or no fit."""
         kinds = ("law_contradicted", "too_few_samples", "not_a_sphere", "not_converged", "not_identifiable")
-        return "; ".join(note["text"] for note in self.results["notes"] if note["kind"] in kinds)
+        return _core.with_keywords("; ".join(note["text"] for note in self.results["notes"] if note["kind"] in kinds))
 
     def _points(self) -> Any:
         """ln v of the points of the curve; eps, lo95 and hi95 there. Of one speed alone its node."""
@@ -396,7 +476,7 @@ class Fit:
         points = curve["points"] or [{**node, "lo95": node["ci95"][0], "hi95": node["ci95"][1]} for node in curve["nodes"]]
         return np.log([p["v_mps"] for p in points]), [np.array([p[key] for p in points]) for key in ("eps", "lo95", "hi95")]
 
-    def sample(self, v: npt.ArrayLike, n: Optional[int] = None, rng: Optional[np.random.Generator] = None) -> Array:
+    def sample(self, v: npt.ArrayLike, n: Optional[int] = None, rng: Union[None, int, np.random.Generator] = None) -> Array:
         """Coefficients of restitution as they scatter, for simulations: two exponentials and a normal, whose root mean
         square is the curve. Beyond the speeds of the data they are those at its ends.
 
@@ -406,8 +486,8 @@ class Fit:
             Normal impact speeds [m/s], > 0.
         n : int, optional
             Draws for each speed; one without a further dimension where absent.
-        rng : numpy.random.Generator, optional
-            Source of random numbers; a new one where absent.
+        rng : numpy.random.Generator or int, optional
+            Source of random numbers, or its seed; a new one where absent.
 
         Returns
         -------
@@ -420,7 +500,7 @@ class Fit:
         scatter = self.results["scatter"]
         if scatter is None:
             raise ValueError(f"the fit has no model of the scatter ({self.status})")
-        rng = np.random.default_rng() if rng is None else rng
+        rng = np.random.default_rng(rng)
         x, (rms, _, _) = self._points()
         speeds = np.clip(_speeds(v), np.exp(x[0]), np.exp(x[-1]))
         below, above, normal, _ = _core.scatter(
@@ -496,7 +576,8 @@ class Roughness:
         self.results = results
 
     def _why(self) -> str:
-        return "; ".join(note["text"] for note in self.results["notes"] if note["kind"].startswith("memory_"))
+        return _core.with_keywords(
+            "; ".join(note["text"] for note in self.results["notes"] if note["kind"].startswith("memory_")))
 
     @property
     def holds(self) -> bool:
@@ -537,7 +618,7 @@ class _Folder:
 
     def __getstate__(self) -> dict:
         if self._temporary is not None:
-            raise TypeError(f"a {type(self).__name__} in a temporary folder cannot be copied or pickled: name a folder "
+            raise TypeError(f"of a temporary folder no {type(self).__name__} can be copied or pickled: name a folder "
                             "(out=...), or take its fit, samples, onsets")
         return self.__dict__
 
@@ -631,7 +712,7 @@ class Comparison(_Folder):
     @property
     def answer(self) -> str:
         """The result in a few sentences."""
-        return "\n".join(self.results["answer"])
+        return _core.with_keywords("\n".join(self.results["answer"]))
 
     @property
     def differences(self) -> List[Dict[str, Any]]:
@@ -659,7 +740,7 @@ class Comparison(_Folder):
         return pd.DataFrame(self.recordings)
 
     def __repr__(self) -> str:
-        return f"<Comparison of {len(self.recordings)} recordings: {self.results['answer'][0]}>"
+        return f"<Comparison of {_counted(len(self.recordings), 'recording')}: {self.results['answer'][0]}>"
 
 
 class Validation:
@@ -687,4 +768,4 @@ class Validation:
         return pd.DataFrame(self.recordings)
 
     def __repr__(self) -> str:
-        return f"<Validation over {len(self.recordings)} recordings: F {self.all['f_50ms']} at 50 ms, {self.all['f_1ms']} at 1 ms>"
+        return f"<Validation over {_counted(len(self.recordings), 'recording')}: F {self.all['f_50ms']} at 50 ms, {self.all['f_1ms']} at 1 ms>"

@@ -40,6 +40,8 @@ def eps_of_law(law: str, v: npt.ArrayLike) -> Any:
     """
     from .results import _speeds
 
+    if not isinstance(law, str):
+        raise TypeError(f"law: {type(law).__name__} given; a text is needed, \"constant:0.9\"")
     return _core.restitution_of_law(law, _speeds(v))
 
 

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "arguments.hpp"
 
+#include <algorithm>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <regex>
+#include <string_view>
 #include <utility>
 
 namespace bouncelab::python {
@@ -60,7 +63,72 @@ Json options_of() {
   return list;
 }
 
+template <class Options>
+void add_options(std::map<std::string, Member>& all) {
+  Options options;
+  stages::CommonOptions common;
+  Sections sections = sections_of(options);
+  sections.push_back(stages::common_section(common));
+  for (const stages::Option& option : stages::options_of(sections))
+    all.emplace(option_name(*option.member), *option.member);
+}
+
+/// Those of all functions, by name.
+const std::map<std::string, Member>& all_options() {
+  static const std::map<std::string, Member> all = [] {
+    std::map<std::string, Member> made;
+    add_options<stages::AnalyzeOptions>(made);
+    add_options<stages::CompareOptions>(made);
+    add_options<stages::DemOptions>(made);
+    add_options<stages::LoopOptions>(made);
+    add_options<stages::FitOptions>(made);
+    return made;
+  }();
+  return all;
+}
+
+/// The word behind an option, where it is a value of it and not the next of a sentence.
+std::string_view value_in(const Member& member, std::string_view behind) {
+  if (member.kind == Member::Kind::flag || !behind.starts_with(' ')) return {};
+  std::string_view word = behind.substr(1, behind.find(' ', 1) - 1);
+  const bool is_named = word.ends_with(':');  // "--unit furlong: heights are in ..."
+  while (!word.empty() && std::string_view(";:,.)?").find(word.back()) != std::string_view::npos) word.remove_suffix(1);
+  const std::vector<std::string> choices = choices_of(member);
+  const bool is_value = is_named || std::find(choices.begin(), choices.end(), word) != choices.end() ||
+                        word.find_first_of("0123456789=") != std::string_view::npos;
+  return is_value ? word : std::string_view{};
+}
+
 }  // namespace
+
+std::string with_keywords(const std::string& text) {
+  static const std::regex option("\\B--([a-z][a-z0-9-]*)");  // not within a name
+  std::string said;
+  std::string_view rest = text;
+  for (std::cmatch found; std::regex_search(rest.begin(), rest.end(), found, option);) {
+    said += found.prefix().str();
+    rest.remove_prefix(static_cast<std::size_t>(found.position(0) + found.length(0)));
+    const auto known = all_options().find(found.str(1));
+    if (known == all_options().end()) {
+      said += found.str(0);
+      continue;
+    }
+    const std::string name = known->first == "as" ? "taken_as" : std::string(known->second.name);
+    const std::string_view value = value_in(known->second, rest);
+    if (rest.starts_with(':')) {
+      said += name;
+    } else if (value.empty()) {
+      said += name + (known->second.kind == Member::Kind::flag ? "=True" : "=");
+    } else {
+      said += name + "=" +
+              (value.find_first_not_of("0123456789.-") == std::string_view::npos ? std::string(value)
+                                                                                 : "'" + std::string(value) + "'");
+      rest.remove_prefix(1 + value.size());
+      if (rest.starts_with(" --")) said += ",";
+    }
+  }
+  return said + std::string(rest);
+}
 
 template <class Options>
 Parsed<Options> parse(const Arguments& arguments, Options files) {

@@ -39,7 +39,8 @@ std::string options_json(const std::string& function);
 /// @param call      gets a callback for its progress
 /// @param progress  called as progress(label, done, total, unit), at most every 50 ms, from one thread at a time, and
 ///                  at the end with done = total; None: not called. What it throws ends the work
-/// @throws py::error_already_set KeyboardInterrupt after Ctrl-C, where this is the main thread; what work throws
+/// @throws py::error_already_set what the handler of a signal raised, KeyboardInterrupt after Ctrl-C, where this is the
+///         main thread; what work throws
 void run(stages::Run& call, const py::object& progress, const std::function<void()>& work);
 
 // Functions of _core: tables as dicts of arrays, everything else as JSON text. The package makes objects of them. Each
@@ -51,6 +52,9 @@ void bind_stages(py::module_& m);
 /// Fits, scores, laws.
 void bind_fits(py::module_& m);
 
+/// What the program says, with the keywords of Python in place of options: "(--min-impacts takes shorter drops)" is
+/// "(min_impacts= takes shorter drops)", "--unit cm" "unit='cm'", "--pool" "pool=True", "--nodes: 'x'" "nodes: 'x'".
+std::string with_keywords(const std::string& text);
 /// The question, and each answer as the call that reads the table so. @param call  its beginning: "analyze(path"
 std::string with_keywords(const AmbiguousTable& table, const std::string& call);
 

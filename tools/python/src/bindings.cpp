@@ -1,13 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The module, and long work beside Python: other threads of Python run, Ctrl-C ends it, a callback sees its progress.
+// The module, and long work beside Python: other threads of Python run, Ctrl-C and other signals end it, a callback
+// sees its progress.
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 
+#include <cerrno>
 #include <chrono>
-#include <csignal>
 #include <filesystem>
+#include <functional>
+#include <future>
 #include <mutex>
+#include <optional>
 #include <string>
+#include <system_error>
+#include <thread>
 #include <utility>
 
 #include "arguments.hpp"
@@ -18,62 +24,58 @@
 namespace bouncelab::python {
 namespace {
 
+/// With errno Python chooses the class: FileNotFoundError, IsADirectoryError, PermissionError ...
+void raise_file_error(const FileError& error, const std::string& remedy) {
+  if (error.system_error() == 0) return PyErr_SetString(PyExc_OSError, with_keywords(error.what()).c_str());
+  const py::object made =
+      py::handle(PyExc_OSError)(error.system_error(), with_keywords(error.reason()) + remedy, error.path());
+  PyErr_SetObject(reinterpret_cast<PyObject*>(Py_TYPE(made.ptr())), made.ptr());
+}
+
 /// What is wrong with an argument is a ValueError, with a file an OSError.
 void translate(const std::exception_ptr& failure) {
   try {
     if (failure) std::rethrow_exception(failure);
   } catch (const InvalidArgument& error) {
-    PyErr_SetString(PyExc_ValueError, error.what());
-  } catch (const FileExists& error) {
-    PyErr_SetString(PyExc_FileExistsError, (std::string(error.what()) + "; force=True replaces it").c_str());
+    PyErr_SetString(PyExc_ValueError, with_keywords(error.what()).c_str());
   } catch (const FileError& error) {
-    PyErr_SetString(PyExc_OSError, error.what());
+    raise_file_error(error, error.system_error() == EEXIST ? "; force=True replaces it" : "");
   } catch (const Interrupted&) {
     PyErr_SetNone(PyExc_KeyboardInterrupt);
   } catch (const std::filesystem::filesystem_error& error) {
-    PyErr_SetString(PyExc_OSError, (error.path1().string() + ": " + error.code().message()).c_str());
+    raise_file_error({error.path1().string(), error.code().message(), error.code().value()}, "");
   }
 }
 
-using Handler = void (*)(int);
-Handler handler_of_python = nullptr;
-
-/// Python's own handler makes it raise KeyboardInterrupt once it runs again.
-extern "C" void on_interrupt(int signal) {
-  request_stop();
-  if (handler_of_python != nullptr) handler_of_python(signal);
-}
-
-bool is_main_thread() {
-  const py::module_ threading = py::module_::import("threading");
-  return threading.attr("current_thread")().is(threading.attr("main_thread")());
-}
-
-/// While it lives Ctrl-C asks the libraries to stop, where Python would take it too: on the main thread, with a handler
-/// of Python's.
-class Interruptible {
- public:
-  Interruptible() : active_(is_main_thread()) {
-    if (!active_) return;
-    const Handler before = PyOS_setsig(SIGINT, on_interrupt);
-    if (before == SIG_DFL || before == SIG_IGN || before == on_interrupt) {
-      PyOS_setsig(SIGINT, before);
-      active_ = false;
-      return;
+/// Does work on a thread of its own, while this one runs the handlers of signals that come, as Python's main thread
+/// does: what one raises, as that of Ctrl-C does, asks the work to stop.
+/// @throws what work threw, or py::error_already_set with what a handler raised
+void beside_signals(const std::function<void()>& work) {
+  std::packaged_task<void()> task(work);
+  std::future<void> done = task.get_future();
+  std::optional<py::error_already_set> raised;
+  {
+    const py::gil_scoped_release released;
+    std::jthread worker;
+    try {
+      worker = std::jthread(std::ref(task));
+    } catch (const std::system_error&) {
+      task();  // the system starts no more threads
     }
-    handler_of_python = before;
+    while (done.wait_for(std::chrono::milliseconds(50)) != std::future_status::ready) {
+      const py::gil_scoped_acquire lock;
+      if (PyErr_CheckSignals() == 0) continue;
+      raised.emplace();
+      request_stop();
+      const py::gil_scoped_release waiting;
+      done.wait();
+      forget_stop_request();
+      break;
+    }
   }
-  Interruptible(const Interruptible&) = delete;
-  Interruptible& operator=(const Interruptible&) = delete;
-  ~Interruptible() {
-    if (!active_) return;
-    PyOS_setsig(SIGINT, std::exchange(handler_of_python, nullptr));
-    forget_stop_request();
-  }
-
- private:
-  bool active_;
-};
+  if (raised) throw std::move(*raised);
+  done.get();
+}
 
 /// Lets Python see the progress, now and then; it never goes back.
 class Progress {
@@ -109,19 +111,12 @@ class Progress {
 }  // namespace
 
 void run(stages::Run& call, const py::object& progress, const std::function<void()>& work) {
-  const Interruptible interruptible;
   Progress shown(progress);
   if (!progress.is_none())
     call.on_progress = [&shown](const std::string& label, double done, double total, const std::string& unit) {
       shown(label, done, total, unit);
     };
-  try {
-    const py::gil_scoped_release released;
-    with_threads(call.common.n_threads, work);
-  } catch (const Interrupted&) {
-    if (PyErr_CheckSignals() == 0) PyErr_SetNone(PyExc_KeyboardInterrupt);
-    throw py::error_already_set();
-  }
+  beside_signals([&] { with_threads(call.common.n_threads, work); });
   call.on_progress = nullptr;  // it refers to what ends here
   if (PyErr_CheckSignals() != 0) throw py::error_already_set();
   if (!progress.is_none()) shown.finish();
@@ -136,6 +131,7 @@ PYBIND11_MODULE(_core, m) {
   m.def("commit", [] { return std::string(commit()); });
   m.def("balls", [] { return json_text(stages::catalogue(), 2); });
   m.def("options", &options_json);
+  m.def("with_keywords", py::overload_cast<const std::string&>(&with_keywords));
   bind_stages(m);
   bind_fits(m);
 }

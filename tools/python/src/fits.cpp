@@ -39,6 +39,12 @@ std::string fit(const py::dict& columns, const std::string& groups, const Argume
   return json;
 }
 
+/// Recording -> plate, of the recordings that have one.
+fit::Plates plates(const py::dict& columns, const std::string& groups) {
+  std::vector<Note> notes;
+  return stages::plates_of(samples_of(columns), groups, notes);
+}
+
 /// @return what `bouncelab roughness --json` prints
 std::string roughness(const py::dict& columns, const Arguments& arguments, const py::object& progress) {
   auto [options, run] = parse<stages::RoughnessOptions>(arguments);
@@ -180,6 +186,7 @@ std::string shown_samples(const py::dict& columns, const std::string& fit_json) 
 
 void bind_fits(py::module_& m) {
   m.def("fit", &fit);
+  m.def("plates", &plates);
   m.def("roughness", &roughness);
   m.def("loop", &loop);
   m.def("analyze", &analyze);

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 
+#include <unistd.h>
+
+#include <cerrno>
 #include <filesystem>
 #include <optional>
 #include <utility>
@@ -104,6 +107,12 @@ py::dict synthesize(const py::dict& columns, const std::string& recording, const
   return result;
 }
 
+/// Why the system does not let a file be read, as errno; 0: it does.
+int error_of_file(const std::string& name) {
+  if (fs::is_directory(name)) return EISDIR;
+  return ::access(name.c_str(), R_OK) == 0 ? 0 : errno;
+}
+
 /// @return {columns, summary, warnings}
 py::dict detect_files(const std::vector<std::string>& names, const Arguments& arguments, const py::object& progress) {
   auto [options, run] = parse<stages::DetectOptions>(arguments);
@@ -119,7 +128,8 @@ py::dict detect_files(const std::vector<std::string>& names, const Arguments& ar
   if (stages::readable_of(found).empty())
     throw FileError(found.front().recording,
                     "none of the " + std::to_string(found.size()) +
-                        " recordings can be read: " + found.front().found.notes.front().subject);
+                        " recordings can be read: " + found.front().found.notes.front().subject,
+                    error_of_file(found.front().recording));
   return detected(found, std::move(notes));
 }
 

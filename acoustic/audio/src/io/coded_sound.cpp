@@ -62,7 +62,8 @@ SoundInfo decode_coded(const std::filesystem::path&, const FileBytes& file, int,
     conclude(info, decoder.has_length(), samples.size() / info.n_channels, file.name());
     return info;
   } catch (const NotForLibsndfile& error) {
-    throw FileError(file.name(), "not readable as sound (" + error.reason + "); choose another file, or record again");
+    throw FileError(file.name(),
+                    "not readable as sound (" + error.reason() + "); choose another file, or record again");
   }
 }
 
@@ -106,7 +107,7 @@ void decode_in_child(const std::string& name, const ChildProcess::Output& write)
     put(info.description, head.description);
     put(info.lossy_coding, head.lossy_coding);
   } catch (const NotForLibsndfile& error) {
-    put(error.reason, head.refusal);
+    put(error.reason(), head.refusal);
   }
   write(std::as_bytes(std::span(&head, 1)));
   if (!decoder) return;
@@ -146,7 +147,7 @@ SoundInfo decode_coded(const std::filesystem::path& path, const FileBytes& file,
   try {
     return decode_by_libsndfile(file, samples);
   } catch (const NotForLibsndfile& error) {
-    return decode_by_ffmpeg(path, file, track, error.reason, samples);
+    return decode_by_ffmpeg(path, file, track, error.reason(), samples);
   }
 }
 

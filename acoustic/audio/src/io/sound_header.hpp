@@ -104,8 +104,7 @@ std::string description_of(int format);
 /// libsndfile cannot read the file: perhaps another decoder can.
 class NotForLibsndfile : public FileError {
  public:
-  NotForLibsndfile(const std::string& path, const std::string& reason_) : FileError(path, reason_), reason(reason_) {}
-  std::string reason;
+  using FileError::FileError;
 };
 
 /// Plain samples, read in place.

@@ -323,6 +323,11 @@ void validate(const SynthesisConfig& config) {
                           " is not known: Hertz's theory does not hold for it; give a contact time that was measured, "
                           "--ball " +
                           to_text(config.ball) + ",contact-time=0.8ms");
+  const RectangularPlate& carrier = config.ground.carrier;
+  for (const auto& [name, size_m] : {std::pair{"length_x_m", carrier.length_x_m},
+                                     {"length_y_m", carrier.length_y_m},
+                                     {"thickness_m", carrier.thickness_m}})
+    require_range(std::string("carrier ") + name, size_m, 1e-5, 1e3);
   validate(config.channels, config);
   validate(config.disturbances);
   if (config.levels) {

@@ -327,6 +327,14 @@ std::string default_text(const Member& member, const void* object);
 std::string range_of(const Member& member);
 /// The texts that it may be; empty: any.
 std::vector<std::string> choices_of(const Member& member);
+/// Refuses what nobody could type: for structs of options that a program fills.
+/// @throws InvalidArgument naming the first member that is out of its range: "gravity: 'nan' must be ..."
+void check_options(Description description, const void* object);
+
+template <class T>
+requires requires(const T* s) { members_of(s); }
+void check_options(const T& options) { check_options(members_of(&options), &options); }
+
 /// Whether each value is given by itself: --nodes 0.3 --nodes 0.6 (or --nodes 0.3 0.6).
 bool is_repeated(const Member& member);
 /// The name as an option has it: '-' for '_'.

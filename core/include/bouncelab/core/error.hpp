@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cerrno>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -29,13 +30,24 @@ class FileError : public Error {
  public:
   /// @param path    the file as the user named it
   /// @param what    place and reason, without the path ("line 7, column t_s: 'abc' is not a number")
-  FileError(const std::string& path, const std::string& what) : Error(printable(path) + ": " + what) {}
+  /// @param error   errno, where the system refused the file
+  FileError(const std::string& path, const std::string& what, int error = 0)
+      : Error(printable(path) + ": " + what), path_(path), reason_(what), error_(error) {}
+
+  const std::string& path() const noexcept { return path_; }
+  const std::string& reason() const noexcept { return reason_; }
+  /// As errno has it: ENOENT, EACCES ...; 0 where the system did not refuse the file.
+  int system_error() const noexcept { return error_; }
+
+ private:
+  std::string path_, reason_;
+  int error_;
 };
 
 /// A file that is to be written exists, and may not be replaced.
 class FileExists : public FileError {
  public:
-  explicit FileExists(const std::string& path) : FileError(path, "exists already") {}
+  explicit FileExists(const std::string& path) : FileError(path, "exists already", EEXIST) {}
 };
 
 /// The user (Ctrl-C) or the system asked to stop. Thrown by progress callbacks; unfinished outputs vanish.

@@ -53,7 +53,7 @@ T viscoelastic_restitution(const T& x) {
   return numerator / denominator;
 }
 
-/// eps(v). @param v_mps  normal impact speed, >= 0 [m/s]. Not clamped.
+/// eps(v). @param v_mps  normal impact speed, >= 0 [m/s]. Not clamped. @throws InvalidArgument for an empty table
 double restitution(const RestitutionLaw& law, double v_mps);
 /// d eps/dv [s/m]; of a table that of the piece above v. @param v_mps  > 0 [m/s]
 double restitution_slope(const RestitutionLaw& law, double v_mps);

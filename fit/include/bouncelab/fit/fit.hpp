@@ -85,7 +85,8 @@ Description members_of(const FitResult*);
 /// Left out and counted: samples with a flag; with a number that is not finite or beyond those of tables (v of 1e4 m/s,
 /// eps of 1e3, a negative standard error); with v of 1e-6 m/s or less.
 /// @param progress  called between the fits, in steps of one
-/// @throws InvalidArgument where the orders of the series are not valid, or more than fit_memory takes
+/// @throws InvalidArgument where a member of `config` is out of the range that members_of states, the orders of the
+///         series are not valid, or more than fit_memory takes
 FitResult fit_all(const RestitutionSamples& samples, const FitConfig& config, const ProgressCallback& progress = {});
 
 /// Does the fit with memory hold? Its constants are then stated, and those of `law`, which takes impacts as

@@ -28,11 +28,11 @@ struct LawFitConfig {
   std::vector<int> orders{2, 4, 5};                    ///< of the series: distinct, among 2, 4, 5, ... 10
   IntervalMethod intervals = IntervalMethod::profile;  ///< of nodes and constants
   /// Terms of log b(v) on each side; 0: 1 below 30 samples, 1 to 3 by BIC below 20,000, from there 3 or 6 by
-  /// BIC (AIC takes 6 too often: at 20,000 samples under noise 95 % intervals of A then cover 92.5 %).
+  /// BIC (AIC takes 6 too often: at 20,000 samples under noise 95 % intervals of A then cover 92.5 %). At most 10.
   std::size_t n_scatter_terms = 0;
-  std::size_t n_goodness = 0;  ///< replicates of the Anderson-Darling test, from 100 samples on; 0: none
+  std::size_t n_goodness = 0;  ///< replicates of the Anderson-Darling test, from 100 samples on, up to 1e5; 0: none
   std::uint64_t seed = 1;      ///< of the replicates
-  /// Speeds at which eps(v) is reported [m/s]; empty: below which 10, 50 and 90 % of the speeds lie.
+  /// Speeds at which eps(v) is reported [m/s], > 0; empty: below which 10, 50 and 90 % of the speeds lie.
   std::vector<double> node_speeds_mps;
 };
 
@@ -120,7 +120,8 @@ struct LawFit {
 /// Samples without sigma_eps are taken as free of timing noise. So that the search meets no kink, every
 /// sample's timing error is widened, in quadrature, to b sqrt(p/n), b the local scatter: about the standard error of
 /// the curve, which shifts the estimate by less than a hundredth of it.
-/// @throws InvalidArgument where orders are not valid or a sample is not finite
+/// @throws InvalidArgument where orders are not valid, another member of `config` is out of its range (FitConfig), or a
+///         sample is not finite
 LawFit fit_law(const RestitutionSamples& samples, const LawFitConfig& config);
 
 }  // namespace bouncelab::fit

@@ -116,6 +116,7 @@ Description members_of(const RoughnessResult*);
 
 /// The roughness of a ball from how its coefficients of restitution scatter: fit_memory with the series A2, A4, A5, and
 /// q translated into surfaces. Samples with a flag, not finite or with v <= 0 are left out and counted.
+/// @throws InvalidArgument for more than 1e5 replicates
 RoughnessResult measure_roughness(const RestitutionSamples& samples, const RoughnessConfig& config);
 
 /// Surfaces of that q where J = inertia_factor m R^2: q = c s2 with c = 1/(1 + inertia_factor) without slip and c =

@@ -76,9 +76,11 @@ struct Restitution {
 ///
 /// These are ratios of intervals: what drag and contact time do to them the fit takes into account (at_the_plate).
 /// Nothing is clamped.
-/// @param onsets  ordered by recording, drop, time; finite, strictly increasing within a drop [s]
-/// @throws InvalidArgument where gravity, the drop height or a property of the ball is not positive, times do not
-///         increase
+/// @param onsets  ordered by recording, drop, time; finite, strictly increasing within a drop [s], and so are their
+///                numbers `impact`: 0, 1, 2 ...
+/// @throws InvalidArgument where a member of `config` is out of the range that members_of states, a property of the
+/// ball
+///         is not positive, times or numbers do not increase
 Restitution restitution_samples(const Onsets& onsets, const RestitutionConfig& config);
 
 /// Speeds and coefficients at the plate: launch speed of a flight over landing speed of the one before, with the most
