@@ -324,6 +324,31 @@ TEST_F(ForeignFiles, SpeedsBeforeAndAfterAreAskedAndGoFromTheAnswerToTheReport) 
   EXPECT_EQ(eps(Json(content("again/fit.json"))), eps(fit));
 }
 
+TEST_F(ForeignFiles, SpeedsWithoutAUnitAreAskedAndEveryCommandTakesTheAnswer) {
+  write("v.csv", "vorher;nachher\n4,01;2,72\n2,74;1,92\n1,83;1,27\n1,3;0,88\n");
+  const std::string answer = "--columns v_in=vorher,v_out=nachher";
+  for (const std::string command :
+       {"analyze v.csv --out v", "restitution v.csv --out s.csv", "fit v.csv --out f.json"}) {
+    const Result asked = run(command);
+    EXPECT_EQ(asked.exit_code, 2) << command;
+    EXPECT_THAT(asked.err, HasSubstr("speeds before and after a bounce, in m/s: bouncelab " + command + " " + answer));
+    const Result answered = run(command + " " + answer);
+    EXPECT_EQ(answered.exit_code, 0) << command << answered.err;
+    EXPECT_THAT(answered.out, HasSubstr("speeds in m/s")) << command;
+  }
+  EXPECT_THAT(run("restitution v.csv --out t.csv " + answer).out, HasSubstr("\n4 coefficients of restitution\n"));
+  const auto samples = [&](const std::string& file) {
+    return samples_from_table(read_csv(folder_ / file, sample_columns()), file);
+  };
+  const RestitutionSamples by_restitution = samples("s.csv"), by_analyze = samples("v/samples.csv");
+  ASSERT_EQ(by_restitution.size(), 4U);
+  ASSERT_EQ(by_analyze.size(), 4U);
+  for (std::size_t k = 0; k < 4; ++k) EXPECT_EQ(by_restitution[k].eps, by_analyze[k].eps);
+  // speeds have no times: convert neither takes nor proposes them
+  EXPECT_THAT(run("convert v.csv --to o.csv").err, Not(HasSubstr("v_in")));
+  expect_one_line_error(run("convert v.csv --to o.csv " + answer), 3, {"holds speeds", "no times"});
+}
+
 TEST_F(ForeignFiles, NumbersOfRowsBesideTimesAreNoLabels) {
   for (const char* table :
        {"1\t400\n2\t1000\n3\t1510\n", "1\t400\tx\n2\t1000\ty\n3\t1510\tz\n", "1\t400\t7\n2\t1000\t8\n3\t1510\t9\n"}) {

@@ -42,6 +42,11 @@ TEST(ForeignHeights, AreReadAsTheDropsThatTheyProve) {
   const double in = 0.0254;
   for (const HeightsCase& c : std::vector<HeightsCase>{
            {"h (m)\n1.00\n0.81\n0.66\n", {}, {{1, .81, .66}}, .01},
+           {"Höhe, cm\n100\n81\n66\n", {}, {{1, .81, .66}}, .01},
+           {"Höhe, cm\n100,0\n81,0\n66,0\n", kHeights, {{1, .81, .66}}, .001},
+           {"100, 81, 66\n100, 80\n", {"heights", "cm", ""}, {{1, .81, .66}, {1, .8}}, .01},
+           {"1, 0,81, 0,66\n1, 0,80, 0,65\n", kHeightsInM, {{1, .81, .66}, {1, .8, .65}}, .01},
+           {"n,a,b,c\n1,100,81,66\n2,100,80,\n", {"heights", "cm", "h=a,h=b,h=c"}, {{1, .81, .66}, {1, .8}}, .01},
            {"bounce;h / cm\n0;100,0\n1;81,5\n2;66,1\n", {}, {{1, .815, .661}}, .001},
            {"height_mm\n1000\n810\n", {}, {{1, .81}}, .001},
            {"y (in)\n40\n32.5\n", {}, {{40 * in, 32.5 * in}}, .001},
@@ -89,6 +94,7 @@ TEST(ForeignHeights, ThatTheirTableDoesNotProveAreAsked) {
   for (const Asked& c : std::vector<Asked>{
            {"a (m);b (m)\n.81;1.0\n.42;.5\n", {}, "before and after a bounce?", {"--columns 'h0=b (m),h=a (m)'"}},
            {"a (m);b (m)\n1.0;.81\n", {}, "heights in a row", {"--as heights"}},
+           {"Höhe, cm\n100,5\n81,0\n", {}, "is one number or several", {"--as heights", "--columns t=1"}},
            {"h (m);rebound\n1;.81\n1;.8\n.5;.4\n",  // below 1, as the numbers of bounces never are
             {},
             "another column of numbers",

@@ -204,11 +204,11 @@ TEST(ForeignTable, IsReadByWhatItProves) {
 }
 
 /// Text | options | words of the question | the options of each reading, and what is then read: "-" where that asks
-/// again or is nothing sensible.
+/// again or is nothing sensible, "speeds" where samples_from_foreign reads it.
 constexpr const char* kAsked = R"x(
-1: one or two | 0,4\n1,0\n1,51\n |  | line 1: 0,4 is one number or several | --as times | 0.4 1 1.51 | --as intervals | - | --columns t=1 | -
+1: one or two | 0,4\n1,0\n1,51\n |  | line 1: 0,4 is one number or several | --as times | 0.4 1 1.51 | --as intervals | - | --as heights | - | --columns t=1 | -
 1: with a unit | 400,5\n1000,5\n1510,5\n | --unit ms | one number | --as times --unit ms | .4005 1.0005 1.5105 | --as intervals --unit ms | - | --unit ms --columns t=1 | .4 1 1.51
-1: a clock time | 0:00,4\n0:01,0\n0:01,51\n |  | one number | --as times | 0.4 1 1.51 | --as intervals | - | --columns t=1 | -
+1: a clock time | 0:00,4\n0:01,0\n0:01,51\n |  | one number | --as times | 0.4 1 1.51 | --as intervals | - | --as heights | - | --columns t=1 | -
 1: commas and blanks | 400, 1000, 1510\n |  | in which unit | --unit ms | 0.4 1 1.51
 3: two columns | A (s),B (s)\n.4,.1\n1,.6\n1.51,1\n |  | 2 columns are of a time | --columns t=A (s) | .4 1 1.51 | --columns t=B (s) | .1 .6 1 | --as times --columns t=A (s),t=B (s) | .4 1 1.51, .1 .6 1
 3: of one name | t_s,t_s\n.4,.1\n1,.6\n1.51,1\n |  | 2 columns | --columns t=1 | .4 1 1.51 | --columns t=2 | .1 .6 1 | --as times --columns t=1,t=2 | .4 1 1.51, .1 .6 1
@@ -216,9 +216,15 @@ constexpr const char* kAsked = R"x(
 3: time and height | Time (s);y (m)\n0.4;1\n1;1\n1.51;1\n |  | another measured quantity | --columns t=Time (s) | 0.4 1 1.51 | --as heights --columns h=y (m) | -
 3: no unit | Time\n0.40\n1.00\n1.51\n |  | no title has a unit | --as times --unit s --columns t=Time | 0.4 1 1.51
 3: two without | t,e\n600,1\n510,2\n433.5,4\n |  | no title has a unit | --as intervals --unit ms --columns t=t | 0 0.6 1.11 1.5435 | --as heights --unit mm --columns h=t | -
-3: coefficients | v,e\n1.2,.85\n1,.85\n.8,.86\n |  | no title has a unit | --as intervals --unit s --columns t=v | - | --as heights --unit m --columns h=v | -
+3: coefficients | v,e\n1.2,.85\n1,.85\n.8,.86\n |  | no title has a unit | --columns v=v,eps=e | speeds | --as intervals --unit s --columns t=v | - | --as heights --unit m --columns h=v | -
 3: no whole unit | t (10^-3 s)\n0.40\n1.00\n1.51\n |  | no title has a unit | --as times --unit s --columns t=t (10^-3 s) | 0.4 1 1.51
 3: another quantity | v (m/s),x\n0.4,1\n1,3\n1.51,4\n |  | no column is a time: column 'v (m/s)'
+3: two columns of which none is below the other | vor;nach\n4,01;2,72\n2,74;1,92\n1,83;1,9\n |  | no title has a unit | --as intervals --unit s --columns t=vor | 0 4.01 6.75 8.58 | --as intervals --unit s --columns t=nach | - | --as heights --unit m --columns h=nach | -
+3: speeds | avant,après\n4.01,2.72\n4.74,2.92\n1.83,1.2\n |  | no title has a unit | --columns v_in=avant,v_out=après | speeds | --as intervals --unit s --columns t=avant | - | --as intervals --unit s --columns t=après | -
+3: heights or speeds | n,a,b\n1,.66,.8\n2,.81,1\n3,.5,.6\n |  | no title has a unit | --columns v_in=b,v_out=a | speeds | --unit m --columns h0=b,h=a | - | --as intervals --unit s --columns t=a | -
+3: a path | t,x,y\n0,.1,1\n.033,.1,.9\n.067,.2,.7\n.1,.2,.4\n.133,.3,.2\n.167,.3,.4\n.2,.4,.5\n.233,.4,.6\n |  | column 't' is equally spaced, as the frames of a video
+3: a path with units | t (s),y (m)\n0,1\n.033,.9\n.067,.7\n.1,.4\n.133,.2\n.167,.4\n.2,.5\n.233,.6\n |  | column 't (s)' is equally spaced | --as times --columns t=t (s) | 0 .033 .067 .1 .133 .167 .2 .233
+3: positions | y\n1\n.9\n.7\n.4\n.2\n.4\n.5\n.6\n |  | column 'y' goes up and down, as the path of a video does
 4: falling | 0.6\n0.51\n0.4335\n |  | do not rise | --as intervals --unit s | 0 0.6 1.11 1.5435 | --as heights --unit m | -
 4: falling, titled | Time (ms)\n600\n510\n433.5\n |  | do not rise | --as intervals | 0 0.6 1.11 1.5435 | --as times | -
 4: two impacts, then three | Time (s)\n0.4\n1\n0.4\n1\n1.51\n |  | do not rise | --as intervals | - | --as times | 0.4 1, 0.4 1 1.51
@@ -228,12 +234,15 @@ constexpr const char* kAsked = R"x(
 5: no speeds of balls | 400\n1000\n1510\n |  | which no ball has | --unit ms | 0.4 1 1.51
 5: nor by the title | Time (s)\n400\n1000\n1500\n |  | intervals of 550 s in the median | --unit ms | 0.4 1 1.5
 5: clock times of no ball | at\n1:00:00\n1:00:07\n1:00:14\n |  | intervals of 7 s in the median | --unit s | 3600 3607 3614
-5: two columns | -7 0.40\n-3 1.00\n-5 1.51\n |  | which column | --as times --unit s --columns t=2 | 0.4 1 1.51
+5: two columns | -7 0.40\n-3 1.00\n-5 1.51\n |  | which column | --columns v_in=1,v_out=2 | speeds | --as times --unit s --columns t=2 | 0.4 1 1.51
 6: blocks | trial,Time (s)\n1,.4\n1,1\n2,1.51\n2,1.9\n |  | 'trial' changes where no new drop is seen | --columns t=Time (s),drop=trial | .4 1, 1.51 1.9 | --columns t=Time (s) | .4 1 1.51 1.9
 6: told the unit | Drop,t (s)\n1,400\n1,1000\n2,1510\n2,1900\n | --as times --unit ms | 'Drop' changes | --as times --unit ms --columns t=t (s),drop=Drop | .4 1, 1.51 1.9 | --as times --unit ms --columns t=t (s) | .4 1 1.51 1.9
 6: beside a blank line | n,Time (s)\n1,.4\n1,1\n2,1.51\n2,1.9\n\n3,3\n3,4\n |  | 'n' changes | --columns t=Time (s),drop=n | .4 1, 1.51 1.9, 3 4 | --columns t=Time (s) | .4 1 1.51 1.9, 3 4
 6: two columns drop | drop;drop;t_s\n1;1;.4\n1;2;1\n2;1;1.51\n |  | several columns are called drop
 6: a drop in each row | Drop;t1 (s);t2 (s);t3 (s)\n1;.4;1;1.51\n2;.1;.6;1\n |  | 3 columns | --columns t=t1 (s) | - | --columns t=t2 (s) | - | --columns t=t3 (s) | - | --as times | .4 1 1.51, .1 .6 1
+6: a drop of heights in each row | 100, 81, 66, 53\n100, 80, 65\n100, 82, 67, 54\n |  | which column | --as intervals --unit ms --columns t=2 | - | --as intervals --unit ms --columns t=3 | - | --as intervals --unit ms | 0 .1 .181 .247 .3, 0 .1 .18 .245, 0 .1 .182 .249 .303 | --as heights --unit cm | - | --as heights --unit mm | -
+6: rows with their numbers | 1 600 510 434\n2 600 500\n |  | which column | --as intervals --unit ms --columns t=2,t=3,t=4 | 0 .6 1.11 1.544, 0 .6 1.1 | --as heights --unit mm --columns h=2,h=3,h=4 | -
+6: rows below titles | trial;h0;h1;h2\nA;100;81;66\nB;100;80;\n |  | no title has a unit | --as intervals --unit ms --columns t=h0,t=h1,t=h2 | 0 .1 .181 .247, 0 .1 .18 | --as heights --unit cm --columns h=h0,h=h1,h=h2 | - | --as heights --unit mm --columns h=h0,h=h1,h=h2 | -
 6: rows without titles | .4,1,1.51\n.1,.6,1.0\n |  | which column | --as times --unit s | .4 1 1.51, .1 .6 1
 7: a mean without a word | dt (s)\n.6\n.5\n.4\n.5\n |  | line 5: the last number is the mean | --as intervals --columns t=dt (s) | 0 .6 1.1 1.5 2
 7: a word in a row | t (s),note\n.4,\n1,\n1.51,catch\n |  | 'note' tells some rows from others: 'catch' | --columns t=t (s) | .4 1 1.51
@@ -266,7 +275,10 @@ TEST(ForeignTable, AsksForWhatItDoesNotProve) {
       const ForeignOptions &found = asked->readings()[k].options, expected = options_of(c[2 * k + 4]);
       EXPECT_EQ(command_line_of(found), command_line_of(expected));
       EXPECT_THAT(asked->what(), HasSubstr(command_line_of(expected)));
-      if (c[2 * k + 5] != "-") expect_read(c[1], found, c[2 * k + 5], "");
+      if (c[2 * k + 5] == "speeds")
+        EXPECT_FALSE(samples(c[1], found.columns).empty());
+      else if (c[2 * k + 5] != "-")
+        expect_read(c[1], found, c[2 * k + 5], "");
     }
   }
 }
@@ -330,18 +342,18 @@ TEST(ForeignTable, NamesThePlaceOfAnError) {
 
 /// Seconds, metres or m/s per unit | titles.
 constexpr const char* kTitles = R"x(
-1 | Time (s) | t [s] | time / s | Time/s | t_s | Run 1 - Time (s) | (s) | Zeit (sec) | y (m) | v (m/s) | v / m/s | v_mps
+1 | Time (s) | t [s] | time / s | Time/s | t_s | Run 1 - Time (s) | (s) | Zeit (sec) | y (m) | v (m/s) | v / m/s | v_mps | t, s | temps en s
 1e-3 | t (ms) | time_ms | v (mm/s)
 1e-6 | t (us) | t [µs] | t / μs | t_us
 60 | t (min)
 1e-9 | t (ns)
-1e-2 | y (cm) | v / cm/s | t (cs)
+1e-2 | y (cm) | y, cm | y（cm） | y en cm | v / cm/s | t (cs)
 0.0254 | y (in) | v (in/s)
 0.3048 | y [ft] | v (ft/s)
 0.44704 | v (mph)
 0.2777777777777778 | v (km/h)
 0 | T^2 (s^2) | 1/T (1/s) | f (Hz) | Time (10^-3 s) | Time (x0.1 s) | Time (1/100 s) | s | m/s | Time | time (S) | v_in
-0 | t_min | time s | t (ds) | S1 | (t) | t () | log time | t (s) of A | dt
+0 | t_min | t, min | height, in | Zeit (Sekunden) | time s | t (ds) | S1 | (t) | t () | log time | t (s) of A | dt
 )x";
 
 TEST(ForeignTable, ATitlesUnitIsWholeOrNone) {

@@ -236,8 +236,10 @@ void say_readings(const AmbiguousTable& table, const std::vector<std::string>& l
     command += " convert " + shell_word(table.file());
     out = " --to " + shell_word(table.file() + ".times.csv");
   }
+  const bool takes_speeds = out.empty() && line[1] != "convert";  // which have no times
   for (const AmbiguousTable::Reading& reading : table.readings())
-    say("  " + reading.meaning + ": " + command + " " + command_line_of(reading.options) + out);
+    if (takes_speeds || !reading.options.tells_speeds())
+      say("  " + reading.meaning + ": " + command + " " + command_line_of(reading.options) + out);
 }
 
 /// @return the exit code, after one line of what went wrong

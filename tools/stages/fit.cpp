@@ -24,9 +24,9 @@ std::string counted(std::size_t n, std::string_view noun) { return fmt::format("
 
 /// What was counted, for people: one line.
 std::string describe(const fit::RestitutionCounts& counts) {
-  std::string line =
-      fmt::format("{} coefficient{} of restitution from {} of {}", counts.n_samples, counts.n_samples == 1 ? "" : "s",
-                  counted(counts.n_onsets, "onset"), counted(counts.n_drops, "drop"));
+  std::string line = counted(counts.n_samples, "coefficient") + " of restitution";
+  if (counts.n_onsets > 0)
+    line += fmt::format(" from {} of {}", counted(counts.n_onsets, "onset"), counted(counts.n_drops, "drop"));
   for (const auto& [reason, n] : counts.breaks)
     line += fmt::format("; chain broken {}: {}", counted(n, "time"), name_of(reason));
   if (counts.n_flagged > 0)
@@ -34,12 +34,13 @@ std::string describe(const fit::RestitutionCounts& counts) {
   return line;
 }
 
-/// Onsets -> samples, in pieces from file to file.
-fit::RestitutionCounts restitution_of_files(const std::vector<std::filesystem::path>& files,
+/// Onsets -> samples, in pieces from file to file; speeds are samples already.
+fit::RestitutionCounts restitution_of_files(const std::vector<std::filesystem::path>& files, int n_threads,
                                             const fit::RestitutionConfig& config, const ForeignFileOptions& foreign,
                                             TableWriter& samples, std::vector<std::string>& taken_for,
                                             std::vector<Note>& notes) {
   fit::RestitutionInPieces restitution(config);
+  fit::RestitutionCounts counts;
   std::vector<double> eps;  // 8 bytes each, for the median
   report::Implausible implausible;
   const auto write = [&](const RestitutionSamples& rows) {
@@ -47,8 +48,17 @@ fit::RestitutionCounts restitution_of_files(const std::vector<std::filesystem::p
     for (const RestitutionSample& s : rows)
       if (s.flags.empty()) eps.push_back(s.eps), implausible.add(s);
   };
+  const bool are_speeds =
+      std::all_of(files.begin(), files.end(), [&](const auto& file) { return holds_speeds(file, foreign.table); });
+  if (are_speeds) {
+    RestitutionSamples rows = read_sample_files(files, n_threads, foreign.table.columns, taken_for, notes);
+    name_ball(rows, config.ball, config.plate);
+    counts.n_samples = rows.size();
+    write(rows);
+  }
   RecordingNames names;
   for (const std::filesystem::path& file : files) {
+    if (are_speeds) break;
     names.begin(file);
     TableReader reader = open_onsets(file, foreign, taken_for);
     std::optional<Onset> before;
@@ -66,9 +76,11 @@ fit::RestitutionCounts restitution_of_files(const std::vector<std::filesystem::p
     }
     names.end(notes);
   }
-  write(restitution.finish());
+  if (!are_speeds) {
+    write(restitution.finish());
+    counts = restitution.counts();
+  }
   notes = joined(std::move(notes), implausible.notes());
-  fit::RestitutionCounts counts = restitution.counts();
   if (!eps.empty()) counts.eps_median = median(std::move(eps));
   return counts;
 }
@@ -105,7 +117,7 @@ Outcome run_restitution(const RestitutionOptions& options, const Run& run) {
   TableWriter samples(run, options.out);
   std::vector<std::string> taken_for;
   const fit::RestitutionCounts counts =
-      restitution_of_files(inputs, config, options.foreign, samples, taken_for, outcome.notes);
+      restitution_of_files(inputs, run.common.n_threads, config, options.foreign, samples, taken_for, outcome.notes);
   inputs = with_onsets_beside(std::move(inputs));
   outcome.text = lines_of(one_a_kind(taken_for)) + describe(counts) + "\n";
   if (config.ball)

@@ -241,32 +241,85 @@ void add_own_columns(const ForeignTable& foreign, const std::vector<ColumnSpec>&
   }
 }
 
+bool numbers_rows(const ForeignTable& table, std::size_t column) {
+  std::optional<double> first;
+  for (const ForeignTable::Row& row : table.rows)
+    if (const auto number = table.number(row, column)) {
+      if (number->value != std::floor(number->value)) return false;
+      if (!first) first = number->value;
+    }
+  return first && (*first == 0.0 || *first == 1.0);
+}
+
+std::vector<std::size_t> bare_columns(const ForeignTable& table, bool with_row_numbers) {
+  std::vector<std::size_t> columns;
+  for (std::size_t k = 0; k < table.n_columns(); ++k)
+    if ((table.number(table.rows.front(), k) || table.rows.front().cells[k].empty()) && !unit_of(table, k) &&
+        title_of(table, k) != "drop" && (with_row_numbers || !numbers_rows(table, k)))
+      columns.push_back(k);
+  return columns;
+}
+
 namespace {
 
-[[noreturn]] void ask_for_columns(const ForeignTable& table) {
-  std::vector<std::size_t> speeds, others;
-  for (std::size_t k = 0; k < table.n_columns(); ++k) {
-    const auto unit = unit_of_title(title_of(table, k));
-    if (unit && unit->dimension == Dimension::speed) speeds.push_back(k);
-    if (!unit && table.number(table.rows.front(), k)) others.push_back(k);
-  }
-  std::vector<AmbiguousTable::Reading> readings;
-  if (speeds.size() == 2)
-    readings.push_back(
-        {"speeds before and after",
-         {"auto", "auto", column_option(table, "v_in", speeds[0]) + "," + column_option(table, "v_out", speeds[1])}});
-  for (const std::size_t v : speeds)
-    for (const std::size_t eps : others)
-      if (constexpr std::size_t kReadings = 4; readings.size() < kReadings)
-        readings.push_back({column_name(table, eps) + " is the coefficient",
-                            {"auto", "auto", column_option(table, "v", v) + "," + column_option(table, "eps", eps)}});
-  ask(table,
-      "which columns are the speed and the coefficient of restitution, or the speeds before and after a bounce "
-      "(--columns v=COLUMN,eps=COLUMN or v_in=COLUMN,v_out=COLUMN; impact times are for bouncelab restitution)?",
-      std::move(readings));
+std::vector<double> sizes_of(const ForeignTable& table, std::size_t column) {
+  std::vector<double> sizes;
+  for (const ForeignTable::Row& row : table.rows)
+    if (const auto number = table.number(row, column)) sizes.push_back(std::abs(number->value));
+  return sizes;
 }
 
 }  // namespace
+
+std::vector<std::size_t> before_and_after(const ForeignTable& table, const std::vector<std::size_t>& columns) {
+  if (columns.size() != 2) return {};
+  std::size_t n = 0, n_falls = 0, n_rises = 0;
+  for (const ForeignTable::Row& row : table.rows) {
+    const auto x = table.number(row, columns[0]), y = table.number(row, columns[1]);
+    if (!x || !y) continue;
+    constexpr double kLeast = 0.02;  // what is kept of a speed or a height
+    const double before = std::abs(x->value), after = std::abs(y->value);
+    ++n;
+    n_falls += after >= kLeast * before && after <= before ? 1 : 0;
+    n_rises += before >= kLeast * after && before <= after ? 1 : 0;
+  }
+  if (n == 0 || std::max(n_falls, n_rises) < n) return {};
+  return n_falls == n ? columns : std::vector{columns[1], columns[0]};
+}
+
+std::vector<Reading> speed_readings(const ForeignTable& table) {
+  std::vector<std::size_t> speeds;
+  for (std::size_t k = 0; k < table.n_columns(); ++k)
+    if (const auto unit = unit_of_title(title_of(table, k)); unit && unit->dimension == Dimension::speed)
+      speeds.push_back(k);
+  const bool have_unit = !speeds.empty();
+  std::vector<std::size_t> bare = bare_columns(table, true);
+  if (bare.size() > 2 || have_unit) bare = bare_columns(table, false);
+  std::erase_if(bare, [&](std::size_t k) { return sizes_of(table, k).empty(); });
+  for (const std::size_t k : bare)
+    if (!have_unit && is_speed_of_a_ball(median(sizes_of(table, k)))) speeds.push_back(k);
+  std::vector<std::size_t> pair = before_and_after(table, speeds);
+  if (pair.empty() && have_unit && speeds.size() == 2) pair = speeds;
+  const auto most_of = [&](std::size_t k) {
+    const std::vector<double> sizes = sizes_of(table, k);
+    return *std::max_element(sizes.begin(), sizes.end());
+  };
+  std::vector<Reading> readings;
+  const auto add = [&](std::string meaning, const char* first, std::size_t one, const char* second, std::size_t other) {
+    readings.push_back(
+        {meaning + (have_unit ? "" : ", in m/s"),
+         {"auto", "auto", column_option(table, first, one) + "," + column_option(table, second, other)}});
+  };
+  if (!pair.empty()) add("speeds before and after a bounce", "v_in", pair[0], "v_out", pair[1]);
+  for (const std::size_t v : speeds)
+    for (const std::size_t eps : bare) {
+      constexpr std::size_t kReadings = 4;
+      const bool may_be = have_unit ? most_of(eps) <= 2.0 : most_of(eps) <= 1.0 && most_of(v) > 1.0;
+      if (may_be && most_of(eps) > 0.0 && readings.size() < kReadings)
+        add("speeds, and " + column_name(table, eps) + " is the coefficient", "v", v, "eps", eps);
+    }
+  return readings;
+}
 
 TakenTable samples_from_foreign(const ForeignTable& foreign) {
   auto eps = told_column(foreign, "eps"), v = told_column(foreign, "v");
@@ -275,7 +328,11 @@ TakenTable samples_from_foreign(const ForeignTable& foreign) {
   if (are_speeds) v = in, eps = out;
   if (!eps) eps = own_column(foreign, "eps");
   if (!v) v = own_column(foreign, "v_mps");
-  if (!eps || !v) ask_for_columns(foreign);
+  if (!eps || !v)
+    ask(foreign,
+        "which columns are the speed and the coefficient of restitution, or the speeds before and after a bounce "
+        "(--columns v=COLUMN,eps=COLUMN or v_in=COLUMN,v_out=COLUMN; impact times are for bouncelab restitution)?",
+        speed_readings(foreign));
   const auto unit_of_speed = [&](std::size_t column) {
     const std::optional<TitleUnit> unit = unit_of_title(title_of(foreign, column));
     if (unit && unit->dimension != Dimension::speed)

@@ -57,6 +57,16 @@ int decimals_of(double rounding);
 /// "t=Time (s)"; by number where the title stands twice or holds a sign of the option's own.
 std::string column_option(const ForeignTable& table, std::string_view key, std::size_t column);
 std::string columns_option(const ForeignTable& table, std::string_view key, const std::vector<std::size_t>& columns);
+using Reading = AmbiguousTable::Reading;
+
+/// Whole numbers from 0 or 1 on: of the rows, the bounces, the drops.
+bool numbers_rows(const ForeignTable& table, std::size_t column);
+/// Columns of numbers without a unit that are not called drop.
+std::vector<std::size_t> bare_columns(const ForeignTable& table, bool with_row_numbers);
+/// Two columns as before and after bounces: in each row the second is smaller, in size. Empty where they are not.
+std::vector<std::size_t> before_and_after(const ForeignTable& table, const std::vector<std::size_t>& columns);
+/// Which columns may be speeds before and after, or speeds and coefficients of restitution.
+std::vector<Reading> speed_readings(const ForeignTable& table);
 [[noreturn]] void ask(const ForeignTable& table, const std::string& question,
                       std::vector<AmbiguousTable::Reading> readings);
 /// Asks about a row that begins with a word where most begin with a number: a mean, a remark.
@@ -95,11 +105,20 @@ bool rises(const Sequence& sequence);
 /// Is each step as long as the first, within the rounding?
 bool has_equal_steps(const Sequence& sequence);
 
-using Reading = AmbiguousTable::Reading;
+/// Does it rise three times in succession somewhere, and fall so elsewhere? A position does; times only rise, and
+/// intervals and heights fall until the next drop.
+bool goes_up_and_down(const Sequence& sequence);
+/// Rows of a video, at least.
+inline constexpr std::size_t kFrames = 8;
+/// Asks about a column that goes on by equal steps, or up and down.
+[[noreturn]] void ask_about_path(const ForeignTable& table, std::size_t column, bool has_steps,
+                                 std::vector<Reading> readings);
 
 TitleUnit unit_called(const std::string& name);
 /// In the median, in the unit of the numbers; 0 of a single time.
 double typical_interval(const Sequence& sequence, bool intervals);
+/// From 0.02 to 30 m/s?
+bool is_speed_of_a_ball(double v_mps);
 /// Are numbers in this unit those of a ball that is dropped in a room?
 bool are_of_a_ball(const Sequence& sequence, const std::string& as, double si);
 /// What numbers without a unit, or of a unit that is known, may be.

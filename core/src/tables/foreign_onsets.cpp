@@ -363,19 +363,20 @@ std::vector<std::int64_t> drops_of(std::span<const double> t_s) {
 }
 
 TakenTable onsets_from_foreign(const ForeignTable& table) {
-  if (own_column(table, "eps") && own_column(table, "v_mps") && !own_column(table, "t_s") && !table.options.tells())
+  if (table.options.tells_speeds() ||
+      (own_column(table, "eps") && own_column(table, "v_mps") && !own_column(table, "t_s") && !table.options.tells()))
     table.refuse("holds speeds and coefficients of restitution, no times (bouncelab fit takes it)");
-  const auto from = told_column(table, "h0"), to = told_column(table, "h");
+  const auto from = told_column(table, "h0"), to = from ? told_column(table, "h") : std::nullopt;
   const bool are_pairs = from && to;
   const Selection selection = are_pairs ? Selection{{*from, *to}, Dimension::length, true} : selection_of(table);
   const Sequence sequence = are_pairs ? numbers_of_pairs(table, selection.columns) : numbers_of(table, selection);
   if (sequence.values.empty()) table.refuse("holds no times, intervals or heights");
-  constexpr std::size_t kFrames = 8;  // of a video
-  if (table.options.as == "auto" && sequence.values.size() >= kFrames && has_equal_steps(sequence))
-    ask(table,
-        "has times that are equally spaced, as the frames of a video are; impact times are needed: leave "
-        "the rows of the impacts only",
-        {{"if each is an impact", {"times", table.options.unit, table.options.columns}}});
+  const bool has_steps = has_equal_steps(sequence);
+  if (table.options.as == "auto" && !are_pairs && sequence.values.size() >= kFrames &&
+      (has_steps || (selection.dimension == Dimension::length && goes_up_and_down(sequence))))
+    ask_about_path(
+        table, selection.columns.front(), has_steps,
+        {{"if each is an impact", {has_steps ? "times" : "heights", table.options.unit, table.options.columns}}});
   const std::string as = meaning_of(table, selection, sequence);
   const TitleUnit unit = unit_of_numbers(table, sequence, as);
   Times times = as == "times" ? times_of_times(table, sequence, unit.si)

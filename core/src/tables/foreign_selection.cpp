@@ -36,6 +36,18 @@ bool has_equal_steps(const Sequence& sequence) {
   return step > 0.0;
 }
 
+bool goes_up_and_down(const Sequence& sequence) {
+  constexpr std::size_t kRun = 3;
+  std::size_t up = 0, down = 0, most_up = 0, most_down = 0;
+  for (std::size_t k = 1; k < sequence.values.size(); ++k) {
+    const double here = sequence.values[k].number.value, before = sequence.values[k - 1].number.value;
+    up = here > before ? up + 1 : 0;
+    down = here < before ? down + 1 : 0;
+    most_up = std::max(most_up, up), most_down = std::max(most_down, down);
+  }
+  return most_up >= kRun && most_down >= kRun;
+}
+
 TitleUnit unit_called(const std::string& name) {
   return unit_of_title("x (" + name + ")").value_or(TitleUnit{Dimension::speed, 0.0, name, {}});
 }
@@ -50,15 +62,19 @@ double typical_interval(const Sequence& sequence, bool intervals) {
   return lengths.empty() ? 0.0 : median(std::move(lengths));
 }
 
+bool is_speed_of_a_ball(double v_mps) {
+  constexpr double kSlowest_mps = 0.02, kFastest_mps = 30.0;
+  return v_mps >= kSlowest_mps && v_mps <= kFastest_mps;
+}
+
 bool are_of_a_ball(const Sequence& sequence, const std::string& as, double si) {
   if (as == "heights") {
     constexpr double kLeast_m = 0.05, kMost_m = 4.0;
     const double height_m = si * sequence.values.front().number.value;
     return height_m > kLeast_m && height_m < kMost_m;
   }
-  constexpr double kSlowest_mps = 0.02, kFastest_mps = 30.0, kGravity_mps2 = 9.81;
-  const double v_mps = 0.5 * kGravity_mps2 * si * typical_interval(sequence, as == "intervals");
-  return v_mps >= kSlowest_mps && v_mps <= kFastest_mps;
+  constexpr double kGravity_mps2 = 9.81;
+  return is_speed_of_a_ball(0.5 * kGravity_mps2 * si * typical_interval(sequence, as == "intervals"));
 }
 
 std::vector<Reading> readings_of(const Sequence& sequence, const std::vector<const char*>& as, bool has_unit,
@@ -79,17 +95,6 @@ std::vector<Reading> readings_of(const Sequence& sequence, const std::vector<con
 
 namespace {
 
-/// Whole numbers from 0 or 1 on: of the rows, the bounces, the drops.
-bool numbers_rows(const ForeignTable& table, std::size_t column) {
-  std::optional<double> first;
-  for (const ForeignTable::Row& row : table.rows)
-    if (const auto number = table.number(row, column)) {
-      if (number->value != std::floor(number->value)) return false;
-      if (!first) first = number->value;
-    }
-  return first && (*first == 0.0 || *first == 1.0);
-}
-
 /// Does every part rise, or every part fall, over three numbers or more?
 bool goes_one_way(const Sequence& sequence) {
   std::size_t n_up = 0, n_down = 0, n = 0, n_parts = 0;
@@ -99,7 +104,7 @@ bool goes_one_way(const Sequence& sequence) {
     n_up += before && sequence.values[k].number.value > before->value ? 1 : 0;
     n_down += before && sequence.values[k].number.value < before->value ? 1 : 0;
   }
-  return n > 0 && n >= 2 * n_parts && (n == n_up || n == n_down);
+  return n > n_parts && (n == n_up || n == n_down);
 }
 
 /// --columns with these columns, and what was told of drops.
@@ -138,6 +143,7 @@ std::vector<Reading> likely_readings(const ForeignTable& table, std::size_t colu
   if (unit_of(table, column) || sequence.values.size() < 3 || has_equal_steps(sequence) || numbers_rows(table, column))
     return {};
   const bool times = rises(sequence);
+  if (!times && goes_up_and_down(sequence)) return {};
   for (std::size_t k = 1; k < sequence.values.size(); ++k)
     if (times && sequence.values[k].number.value == sequence.values[k - 1].number.value) return {};
   std::vector<Reading> likely;
@@ -161,8 +167,9 @@ struct Columns {
   bool are_heights = false;
   std::vector<Reading> likely;  ///< of columns without a unit
   std::vector<std::size_t> likely_times;
-  bool is_row = false;  ///< the only row holds one quantity
-  Selection several;    ///< drops side by side, or one in each row; or the only row. No column where there is none
+  bool is_row = false;      ///< the only row holds one quantity
+  Selection several;        ///< drops side by side, or one in each row; or the only row. No column where there is none
+  bool are_proved = false;  ///< of rows: no title and no other column may say something else
 
   Columns(const ForeignTable& table) : is_told(table.options.as != "auto") {
     std::vector<std::size_t> all;
@@ -182,15 +189,20 @@ struct Columns {
         table.options.as == "heights" || (!is_told && (unit_called(table.options.unit).dimension == Dimension::length ||
                                                        (times.empty() && !lengths.empty())));
     const bool are_measured = !measured.empty();
-    const Selection columns{are_measured ? wanted() : likely_times, dimension(), false},
-        rows{are_measured ? wanted() : all, dimension(), true};
+    const Selection columns{are_measured ? wanted() : likely_times, dimension(), false};
+    Selection rows{are_measured ? wanted() : bare_columns(table, true), dimension(), true};
     is_row = table.rows.size() == 1 && are_alike(table, rows.columns) &&
              std::all_of(all.begin(), all.end(), [&](std::size_t k) {
                return table.rows[0].cells[k].empty() || std::count(rows.columns.begin(), rows.columns.end(), k) > 0;
              });
     const bool are_columns = !is_row && are_alike(table, columns.columns) && goes_one_way(glance_at(table, columns));
-    const bool are_rows = is_row || ((are_measured || table.titles.empty()) && are_alike(table, rows.columns) &&
-                                     goes_one_way(glance_at(table, rows)));
+    are_proved = is_row || are_measured || table.titles.empty();
+    bool are_rows = is_row || (are_alike(table, rows.columns) && goes_one_way(glance_at(table, rows)));
+    if (!are_rows && !are_measured && !are_columns) {  // beside their numbers
+      rows.columns = bare_columns(table, false);
+      are_rows = are_alike(table, rows.columns) && goes_one_way(glance_at(table, rows));
+      are_proved = false;
+    }
     if (are_columns || are_rows) several = are_columns ? columns : rows;
   }
 
@@ -223,11 +235,15 @@ std::optional<std::size_t> rival_of(const ForeignTable& table, const Columns& co
 std::optional<Selection> proved(const ForeignTable& table, const Columns& columns) {
   for (const Dimension dimension : {Dimension::time, Dimension::length})
     if (Selection told{told_columns(table, dimension == Dimension::time ? "t" : "h"), dimension, false};
-        !told.columns.empty())
-      return told;
+        !told.columns.empty()) {
+      Selection rows = told;
+      rows.by_rows = true;
+      return !goes_one_way(glance_at(table, told)) && goes_one_way(glance_at(table, rows)) ? rows : told;
+    }
   if (const auto own = own_column(table, "t_s"); own && !columns.are_heights)
     return Selection{{*own}, Dimension::time, false};
-  if (columns.several.by_rows && (columns.is_told || (columns.is_row && table.titles.empty()))) return columns.several;
+  if (columns.several.by_rows && columns.are_proved && (columns.is_told || (columns.is_row && table.titles.empty())))
+    return columns.several;
   const std::vector<std::size_t>& wanted = columns.wanted();
   if (wanted.size() == 1 && (columns.measured.size() == 1 || columns.is_told) && !rival_of(table, columns))
     return Selection{wanted, columns.dimension(), false};
@@ -236,11 +252,58 @@ std::optional<Selection> proved(const ForeignTable& table, const Columns& column
   return std::nullopt;
 }
 
+/// Asks where a time goes on by equal steps, or a position goes up and down, and nothing is told.
+void check_for_path(const ForeignTable& table, const Columns& columns) {
+  if (table.options.as != "auto" || !table.options.columns.empty() || table.rows.size() < kFrames) return;
+  const bool are_bare = columns.measured.empty();
+  for (std::size_t k = 0; k < table.n_columns(); ++k) {
+    const Sequence sequence = glance_at(table, {{k}, Dimension::time, false});
+    const auto& values = sequence.values;
+    if (values.size() < kFrames) continue;
+    const auto& unit = sequence.unit;
+    constexpr double kLongestFrame_s = 0.2;
+    const double step = values[1].number.value - values[0].number.value;
+    if (has_equal_steps(sequence) &&
+        (unit ? unit->dimension == Dimension::time : are_bare && !numbers_rows(table, k) && step <= kLongestFrame_s))
+      ask_about_path(table, k, true,
+                     unit ? std::vector<Reading>{{"if each is an impact",
+                                                  {"times", table.options.unit, column_option(table, "t", k)}}}
+                          : columns.likely);
+    if (goes_up_and_down(sequence) &&
+        (unit ? unit->dimension == Dimension::length : columns.likely.empty() && are_bare))
+      ask_about_path(table, k, false, {});
+  }
+}
+
+/// Heights before and after a bounce, of two columns without a unit.
+std::vector<Reading> bare_heights(const ForeignTable& table) {
+  std::vector<std::size_t> bare = bare_columns(table, true);
+  if (bare.size() > 2) bare = bare_columns(table, false);
+  const std::vector<std::size_t> pair = before_and_after(table, bare);
+  if (pair.empty()) return {};
+  std::vector<Reading> readings =
+      readings_of(glance_at(table, {{pair[0]}, Dimension::length, false}), {"heights"}, false, table.options,
+                  column_option(table, "h0", pair[0]) + "," + column_option(table, "h", pair[1]));
+  for (Reading& reading : readings) reading.options.as = "auto", reading.meaning += ", before and after a bounce";
+  return readings;
+}
+
 }  // namespace
+
+void ask_about_path(const ForeignTable& table, std::size_t column, bool has_steps, std::vector<Reading> readings) {
+  ask(table,
+      column_name(table, column) +
+          (has_steps ? " is equally spaced, as the frames of a video are"
+                     : " goes up and down, as the path of a video does") +
+          "; impact times are needed: leave the rows of the impacts only (--as times), or write the heights of the "
+          "highest points (--as heights)",
+      std::move(readings));
+}
 
 Selection selection_of(const ForeignTable& table) {
   const Columns columns(table);
   if (auto selection = proved(table, columns)) return *std::move(selection);
+  check_for_path(table, columns);
   const std::vector<std::size_t>&times = columns.times, &lengths = columns.lengths;
   std::vector<Reading> readings;
   const auto one = [&](std::size_t k, bool heights) {
@@ -289,21 +352,30 @@ Selection selection_of(const ForeignTable& table) {
                " is another quantity (bouncelab fit takes speeds and coefficients)";
   } else {
     question = table.titles.empty() ? "which column is of times or intervals?"
-                                    : "no title has a unit, such as Time (s), t (ms) or h (m); numbers of frames or "
+                                    : "no title has a unit, such as Time (s), h (cm) or v (m/s); numbers of frames or "
                                       "samples are to be divided by their rate first";
     for (std::size_t k = 0; k < table.n_columns(); ++k)
       if (has_unit(table.rows.front().cells[k])) number_in(table, table.rows.front(), k);
     readings = columns.likely;
+    if (!columns.several.by_rows)
+      for (const std::vector<Reading>& more : {bare_heights(table), speed_readings(table)})
+        readings.insert(readings.begin(), more.begin(), more.end());
   }
   const Selection& several = columns.several;
-  if (several.columns.empty() || !table.options.columns.empty() || (columns.are_heights && !columns.is_row))
+  if (several.columns.empty() || !table.options.columns.empty() || (columns.are_heights && !several.by_rows))
     ask(table, question, std::move(readings));
   const Sequence numbers = glance_at(table, several);
-  const char* as = columns.are_heights ? "heights" : rises(numbers) ? "times" : "intervals";
-  for (const Reading& reading : readings_of(numbers, {as}, !columns.measured.empty(), table.options,
-                                            several.by_rows ? "" : columns_option(table, "t", several.columns)))
-    readings.push_back(
-        {(several.by_rows ? "a drop in each row, " : "a drop in each column, ") + reading.meaning, reading.options});
+  const bool are_measured = !columns.measured.empty(), are_times = !columns.are_heights && rises(numbers);
+  std::vector<const char*> as;
+  if (!columns.are_heights) as.push_back(are_times ? "times" : "intervals");
+  if (columns.are_heights || (!are_times && !are_measured)) as.push_back("heights");
+  for (const char* one : as)
+    for (const Reading& reading : readings_of(numbers, {one}, are_measured, table.options,
+                                              several.by_rows && columns.are_proved
+                                                  ? ""
+                                                  : columns_option(table, *one == 'h' ? "h" : "t", several.columns)))
+      readings.push_back(
+          {(several.by_rows ? "a drop in each row, " : "a drop in each column, ") + reading.meaning, reading.options});
   ask(table, question, std::move(readings));
 }
 

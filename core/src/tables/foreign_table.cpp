@@ -165,16 +165,25 @@ std::optional<TitleUnit> unit_of_title(std::string_view title) {
     if (unit == nullptr) return std::nullopt;
     return TitleUnit{unit->dimension, unit->si, std::string(unit->name), std::string(trimmed(quantity, kBlanks))};
   };
-  if (title.ends_with(')') || title.ends_with(']')) {
-    const std::size_t open = title.rfind(title.back() == ')' ? '(' : '[');
-    if (open == std::string_view::npos) return std::nullopt;
-    return made(unit_named(trimmed(title.substr(open + 1, title.size() - open - 2), kBlanks)), title.substr(0, open));
-  }
-  constexpr std::string_view kIn = " in ";  // "Zeit in s"
-  if (const std::size_t in = title.rfind(kIn); in != std::string_view::npos)
-    return made(unit_named(trimmed(title.substr(in + kIn.size()), kBlanks)), title.substr(0, in));
+  // "v_in", "t_min", "t, min" are no inches and no minutes
+  const auto is_word = [](std::string_view unit) { return unit == "in" || unit == "min"; };
+  struct Around {
+    std::string_view before, after;
+  };
+  for (const auto& [before, after] : std::to_array<Around>({{"(", ")"},
+                                                            {"[", "]"},
+                                                            {"\xEF\xBC\x88", "\xEF\xBC\x89"},  // full width
+                                                            {" in ", ""},                      // "Zeit in s"
+                                                            {" en ", ""},                      // "hauteur en cm"
+                                                            {",", ""}}))                       // "Höhe, cm"
+    if (const std::size_t at = title.rfind(before); title.ends_with(after) && (!after.empty() || at != title.npos)) {
+      if (at == title.npos) return std::nullopt;
+      std::string_view unit = title.substr(at + before.size());
+      unit = trimmed(unit.substr(0, unit.size() - after.size()), kBlanks);
+      return before == "," && is_word(unit) ? std::nullopt : made(unit_named(unit), title.substr(0, at));
+    }
   // "t / s" and "time_ms", but not "counts / s" and "mass_s": a word that is no quantity of that dimension makes
-  // another unit; "v_in" and "t_min" are no inches and no minutes
+  // another unit
   constexpr std::array<std::string_view, 16> kQuantityNames{
       "t", "T", "dt", "\xCE\x94t", "\xE2\x88\x86t", "time", "Time", "interval",
       "h", "H", "h0", "height",    "Height",        "v",    "V",    "speed"};
@@ -183,8 +192,7 @@ std::optional<TitleUnit> unit_of_title(std::string_view title) {
   const std::string_view quantity = trimmed(title.substr(0, at), kBlanks),
                          unit = trimmed(title.substr(at + 1), kBlanks);
   const bool is_known = std::find(kQuantityNames.begin(), kQuantityNames.end(), quantity) != kQuantityNames.end();
-  return !is_known || (title[at] == '_' && (unit == "in" || unit == "min")) ? std::nullopt
-                                                                            : made(unit_named(unit), quantity);
+  return !is_known || (title[at] == '_' && is_word(unit)) ? std::nullopt : made(unit_named(unit), quantity);
 }
 
 namespace {
@@ -239,32 +247,49 @@ std::vector<Line> lines_of(std::string_view text) {
                   "line " + std::to_string(rows.front().number) + ": " + printable(rows.front().text, 60) + ": " + why);
 }
 
-/// What people type, as one row: lines that end with a comma go on in the next; "1, 0,81, 0,66" has decimal commas, and
-/// a comma with a blank behind it stands between numbers. Empty: the lines are rows.
-std::string as_typed(std::span<const Line> rows) {
-  std::string text;
-  for (std::size_t k = 0; k < rows.size(); ++k) {
-    const std::string_view row = rows[k].text.substr(0, rows[k].text.find_last_not_of(" \t\r") + 1);
-    const bool goes_on = row.ends_with(',') || row.ends_with(';');
-    if ((k > 0 && rows[k].follows_blank) || goes_on != (k + 1 < rows.size())) return {};
-    (text += row) += k + 1 < rows.size() ? " " : "";
-  }
-  if (rows.size() > 1 && cells_of(rows.back().text, ',').size() >= cells_of(rows.front().text, ',').size() &&
-      cells_of(rows.back().text, ';').size() >= cells_of(rows.front().text, ';').size())
-    return {};  // the last column has empty cells
-  std::vector<std::string_view> cells = cells_of(text, ' ');
+/// "1; 0,81; 0,66" of "1, 0,81, 0,66": decimal commas, and a comma with a blank behind it stands between numbers.
+std::optional<std::string> with_semicolons(std::string_view row) {
+  std::vector<std::string_view> cells = cells_of(row, ' ');
   std::size_t n_commas = 0;
+  std::string text;
   for (std::size_t k = 0; k < cells.size(); ++k) {
-    if (cells[k].ends_with(',') == (k + 1 == cells.size())) return text;
+    if (cells[k].ends_with(',') == (k + 1 == cells.size())) return std::nullopt;
     if (cells[k].ends_with(',')) cells[k].remove_suffix(1);
     const bool has_comma = cells[k].find(',') != std::string_view::npos;
-    if (!number_of(cells[k], ',') || (k > 0 && !has_comma)) return text;
+    if (!number_of(cells[k], ',') || (k > 0 && !has_comma)) return std::nullopt;
     n_commas += has_comma ? 1 : 0;
+    (text += text.empty() ? "" : "; ") += cells[k];
   }
-  if (n_commas < 2) return text;
-  std::string with_semicolons;
-  for (const std::string_view cell : cells) (with_semicolons += with_semicolons.empty() ? "" : "; ") += cell;
-  return with_semicolons;
+  return n_commas < 2 ? std::nullopt : std::optional(text);
+}
+
+/// Do lines that end with a comma go on in the next, all of them?
+bool are_one_row(std::span<const Line> rows) {
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    const std::string_view row = trimmed(rows[k].text, kBlanks);
+    const bool goes_on = row.ends_with(',') || row.ends_with(';');
+    if ((k > 0 && rows[k].follows_blank) || goes_on != (k + 1 < rows.size())) return false;
+  }
+  // else the last column has empty cells
+  return rows.size() == 1 || cells_of(rows.back().text, ',').size() < cells_of(rows.front().text, ',').size() ||
+         cells_of(rows.back().text, ';').size() < cells_of(rows.front().text, ';').size();
+}
+
+/// The rows that people type, where they are not the lines: all lines as one row, or decimal commas in each.
+std::vector<std::string> as_typed(std::span<const Line> rows) {
+  std::vector<std::string> typed;
+  const bool is_one = are_one_row(rows);
+  for (const Line& row : rows)
+    if (is_one) {
+      if (typed.empty()) typed.emplace_back();
+      (typed[0] += typed[0].empty() ? "" : " ") += trimmed(row.text, kBlanks);
+    } else if (auto text = with_semicolons(row.text)) {
+      typed.push_back(*std::move(text));
+    } else {
+      return {};
+    }
+  if (is_one) typed[0] = with_semicolons(typed[0]).value_or(typed[0]);
+  return typed;
 }
 
 /// A decimal comma where a cell is no number without one.
@@ -278,47 +303,76 @@ char decimal_of(std::span<const Line> rows, char separator) {
 /// A cell that only a quote or a title above makes one: the whole line.
 constexpr char kOneCell = '\0';
 
-CellFormat format_below(std::string_view titles, std::span<const Line> rows) {
+using Formats = std::vector<std::pair<std::size_t, CellFormat>>;  ///< with the number of cells
+
+/// Of several, one number or many, --as takes the fewest and --columns the most. @throws AmbiguousTable
+/// @param as  what one number may be
+CellFormat told_format(const Formats& formats, const std::vector<const char*>& as, const Line& row,
+                       const std::string& name, const ForeignOptions& options) {
+  const auto by_cells = [](const auto& a, const auto& b) { return a.first < b.first; };
+  if (!options.columns.empty()) return std::max_element(formats.begin(), formats.end(), by_cells)->second;
+  if (options.as != "auto") return std::min_element(formats.begin(), formats.end(), by_cells)->second;
+  std::vector<AmbiguousTable::Reading> readings;
+  const bool is_length = unit_called(options.unit).dimension == Dimension::length;
+  for (const char* one : as) {
+    if (options.unit != "auto" && is_length != (one == std::string_view("heights"))) continue;
+    readings.push_back({one + std::string(", with a decimal comma"), options});
+    readings.back().options.as = one;
+  }
+  readings.push_back({"several, the first a time", options});
+  readings.back().options.columns = "t=1";
+  throw AmbiguousTable(
+      name, "line " + std::to_string(row.number) + ": " + printable(row.text, 60) + " is one number or several", {},
+      std::move(readings));
+}
+
+CellFormat format_below(std::string_view titles, std::span<const Line> rows, const std::string& name,
+                        const ForeignOptions& options) {
   char separator = kOneCell;
   const std::string_view whole = cells_of(rows.front().text, kOneCell).front();
   if (!number_of(whole, '.') && !number_of(whole, ',')) separator = ' ';  // "drop t_s" above "0 0.3"
   for (const char one : {',', ';', '\t'})
     if (cells_of(titles, one).size() > 1) separator = one;
-  return {separator, decimal_of(rows, separator)};
+  const CellFormat format{separator, decimal_of(rows, separator)}, one{kOneCell, decimal_of(rows, kOneCell)};
+  // is the comma of "Höhe, cm" that of the title?
+  const std::vector<std::string_view> cells = cells_of(titles, ',');
+  const KnownUnit* unit = separator == ',' && cells.size() == 2 ? unit_named(cells.back()) : nullptr;
+  const auto is_number = [&](const Line& row) {
+    return number_of(trimmed(row.text, kBlanks), one.decimal).has_value();
+  };
+  if (unit == nullptr || !std::all_of(rows.begin(), rows.end(), is_number)) return format;
+  if (one.decimal == '.') return one;
+  const bool is_length = unit->dimension == Dimension::length;
+  return told_format({{1, one}, {cells.size(), format}},
+                     is_length ? std::vector{"heights"} : std::vector{"times", "intervals"}, rows.front(), name,
+                     options);
 }
 
 CellFormat format_without_titles(std::span<const Line> rows, const std::string& name, const ForeignOptions& options) {
-  std::vector<std::pair<std::size_t, CellFormat>> formats;  // with the number of cells
-  for (const char separator : {kOneCell, '\t', ';', ',', ' '}) {
-    if (separator == ' ' && rows.front().text.find('\t') != std::string_view::npos) continue;
-    const char decimal = decimal_of(rows, separator);
-    const std::size_t n_cells = cells_of(rows.front().text, separator).size();
-    const bool holds = std::all_of(rows.begin(), rows.end(), [&](const Line& row) {
-      const std::vector<std::string_view> cells = cells_of(row.text, separator);
-      return cells.size() == n_cells && std::all_of(cells.begin(), cells.end(), [&](std::string_view cell) {
-               return cell.empty() || number_of(cell, decimal);
-             });
-    });
-    if (holds && (n_cells > 1 || separator == kOneCell)) formats.push_back({n_cells, {separator, decimal}});
-  }
+  Formats formats;
+  const auto add_formats = [&](bool are_alike) {  // else each row may be a drop of so many bounces
+    for (const char separator : {kOneCell, '\t', ';', ',', ' '}) {
+      if (separator == ' ' && rows.front().text.find('\t') != std::string_view::npos) continue;
+      const char decimal = decimal_of(rows, separator);
+      const std::size_t n_cells = cells_of(rows.front().text, separator).size();
+      const bool holds = std::all_of(rows.begin(), rows.end(), [&](const Line& row) {
+        const std::vector<std::string_view> cells = cells_of(row.text, separator);
+        return (are_alike ? cells.size() == n_cells : cells.size() > 1) &&
+               std::all_of(cells.begin(), cells.end(),
+                           [&](std::string_view cell) { return cell.empty() || number_of(cell, decimal); });
+      });
+      if (holds && (n_cells > 1 || separator == kOneCell)) formats.push_back({n_cells, {separator, decimal}});
+    }
+  };
+  add_formats(true);
+  if (formats.empty()) add_formats(false);
   if (formats.empty())
     refuse_cells(rows, name,
                  "not every line has the same number of cells, all of them numbers; write a line of titles above, such "
-                 "as Time (s)");
+                 "as Time (s), or numbers alone, a drop of two or more in each line");
   const bool is_indented = formats.front().second.separator == kOneCell && formats.front().second.decimal == '.';
   if (formats.size() == 1 || is_indented) return formats.front().second;
-  const auto by_cells = [](const auto& a, const auto& b) { return a.first < b.first; };
-  if (!options.columns.empty()) return std::max_element(formats.begin(), formats.end(), by_cells)->second;
-  if (options.as != "auto") return std::min_element(formats.begin(), formats.end(), by_cells)->second;
-  ForeignOptions times = options, intervals = options, several = options;
-  times.as = "times", intervals.as = "intervals", several.columns = "t=1";
-  throw AmbiguousTable(name,
-                       "line " + std::to_string(rows.front().number) + ": " + printable(rows.front().text, 60) +
-                           " is one number or several",
-                       {},
-                       {{"times, with a decimal comma", times},
-                        {"intervals, with a decimal comma", intervals},
-                        {"several, the first a time", several}});
+  return told_format(formats, {"times", "intervals", "heights"}, rows.front(), name, options);
 }
 
 }  // namespace
@@ -332,8 +386,9 @@ ForeignTable read_foreign_table(std::string_view text, const std::string& name, 
     refuse_cells(std::span(lines).subspan(lines.size() > 1 ? 1 : 0), name,
                  "no line holds numbers by themselves; a unit belongs into the title above them, Time (s)");
   const auto n_above = static_cast<std::size_t>(first - lines.begin());
-  const std::string typed = n_above == 0 ? as_typed(lines) : "";
-  if (!typed.empty()) lines = {{first->number, false, typed}};
+  const std::vector<std::string> typed = n_above == 0 ? as_typed(lines) : std::vector<std::string>();
+  if (!typed.empty()) lines.resize(typed.size());
+  for (std::size_t k = 0; k < typed.size(); ++k) lines[k].text = typed[k];
   const std::span<const Line> rows = std::span(lines).subspan(n_above);
   ForeignTable table{name, options, {}, {}, {}};
   const auto cells_in = [&](std::string_view line) {
@@ -343,14 +398,16 @@ ForeignTable read_foreign_table(std::string_view text, const std::string& name, 
   if (n_above == 0) {
     table.format = format_without_titles(rows, name, options);
   } else {
-    table.format = format_below(lines[n_above - 1].text, rows);
+    table.format = format_below(lines[n_above - 1].text, rows, name, options);
     table.titles = cells_in(lines[n_above - 1].text);
     if (std::all_of(table.titles.begin(), table.titles.end(), [](const std::string& cell) { return has_unit(cell); }))
       refuse_cells(std::span(lines).subspan(n_above - 1), name, "");  // the first number, "1 m", is no title
     // what stands below no title may be the digits behind a comma: "1,51" under "Time (s),,"
     while (table.titles.size() > 1 && table.titles.back().empty()) table.titles.pop_back();
   }
-  const std::size_t n_columns = table.titles.empty() ? cells_in(rows.front().text).size() : table.titles.size();
+  std::size_t n_columns = table.titles.size();
+  for (const Line& row : rows)
+    if (table.titles.empty()) n_columns = std::max(n_columns, cells_in(row.text).size());
   if (n_columns > kMostColumns)
     throw FileError(
         name, "has " + std::to_string(n_columns) + " columns; at most " + std::to_string(kMostColumns) + " are read");
@@ -365,7 +422,7 @@ ForeignTable read_foreign_table(std::string_view text, const std::string& name, 
                           " cells, and the titles are " + std::to_string(n_columns) +
                           "; write a title above each column and the same separator in all lines, or delete the line");
     most = std::max(most, cells.size());
-    if (table.format.separator == ' ' && cells.size() < n_columns) most = 0;
+    if (table.format.separator == ' ' && cells.size() < n_columns && !table.titles.empty()) most = 0;
     if (most == 0) break;
     cells.resize(n_columns);
     table.rows.push_back({line.number, line.follows_blank, std::move(cells)});
@@ -373,7 +430,8 @@ ForeignTable read_foreign_table(std::string_view text, const std::string& name, 
   // the cells of a row would stand below others' titles
   if (most < n_columns && !table.titles.back().empty())
     throw FileError(name, "the line above the numbers has " + std::to_string(n_columns) +
-                              " titles, and the rows have fewer cells; write as many, the same separator between all");
+                              " titles, and the rows have fewer cells; write as many, the same separator between all, "
+                              "and a unit in parentheses: h (cm)");
   return table;
 }
 
