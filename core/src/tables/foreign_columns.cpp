@@ -305,7 +305,8 @@ std::vector<Reading> speed_readings(const ForeignTable& table) {
     return *std::max_element(sizes.begin(), sizes.end());
   };
   std::vector<Reading> readings;
-  const auto add = [&](const std::string& meaning, const char* first, std::size_t one, const char* second, std::size_t other) {
+  const auto add = [&](const std::string& meaning, const char* first, std::size_t one, const char* second,
+                       std::size_t other) {
     readings.push_back(
         {meaning + (have_unit ? "" : ", in m/s"),
          {"auto", "auto", column_option(table, first, one) + "," + column_option(table, second, other)}});
