@@ -137,7 +137,7 @@ FUNCTIONS = {
             >>> steel, worn = (bl.simulate(drops=4, impacts=40, asperities=100000, law=law, seed=seed)
             ...                for law, seed in (("constant:0.97", 1), ("constant:0.95", 2)))
             >>> comparison = bl.compare([bl.Samples(v=i.v, eps=i.eps, drop=i.drop, impact=i.impact) for i in (steel, worn)])
-            >>> [round(abs(row["offset"]["value"]), 2) for row in comparison.differences]
+            >>> [round(abs(row["eps"]["value"]), 2) for row in comparison.differences]
             [0.02]'''),
     "dem": dict(
         what="A fitted ball as input of a discrete-element code, or as a function that draws its scatter (docs/dem.md).",

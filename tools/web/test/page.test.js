@@ -88,7 +88,7 @@ describe('the page', {skip: missing ?? false}, () => {
   test('a table that does not prove what it holds is asked about, and a button is the answer', async () => {
     const ms = truth.map(({t_s}) => (1e3 * t_s).toFixed(4));
     assert.deepEqual(await asked('asked.csv', `Nr,Zeit\n${ms.map((t, k) => `${k},${t}`).join('\n')}\n`), ["times in ms by column 'Zeit'"]);
-    assert.equal(await statusOf(page), 'asked.csv: no title has a unit, such as Time (s), t (ms) or h (m); numbers of frames or samples are to be divided by their rate first.');
+    assert.equal(await statusOf(page), 'asked.csv: no title has a unit, such as Time (s), h (cm) or v (m/s); numbers of frames or samples are to be divided by their rate first.');
     assert.deepEqual(await page.$$eval('#question tbody tr', rows => rows.map(row => [...row.cells].map(cell => cell.textContent))),
                      [['Nr', '0  1  2 …'], ['Zeit', `${ms.slice(0, 3).join('  ')} …`]]);
     assert.ok(await page.$eval('#result', node => node.hidden), 'no answer of the sound before');
@@ -113,11 +113,11 @@ describe('the page', {skip: missing ?? false}, () => {
   });
 
   test('speeds with coefficients, or before and after, are a table too; speeds alone are refused', async () => {
-    assert.deepEqual(await asked('speeds.csv', 'v (m/s),e\n0.9,0.91\n0.8,0.92\n0.7,0.93\n'), ["column 'e' is the coefficient"]);
+    assert.deepEqual(await asked('speeds.csv', 'v (m/s),e\n0.9,0.91\n0.8,0.92\n0.7,0.93\n'), ["speeds, and column 'e' is the coefficient"]);
     assert.equal(await statusOf(page), 'speeds.csv: which columns are the speed and the coefficient of restitution, or the speeds before and after a bounce?');
     assert.match(await answered(page, () => page.click('#question button')), /^Read as speeds in m\/s \(column 'v \(m\/s\)'\) and coefficients of restitution \(column 'e', ',' between\): 3 impacts/);
     assert.match(await page.$eval('#answer .lead', node => node.textContent), /^ε = 0\.9/);
-    assert.deepEqual(await asked('both.csv', 'in (m/s),out (m/s)\n4.43,3.98\n3.98,3.59\n3.59,3.23\n3.23,2.91\n'), ['speeds before and after']);
+    assert.deepEqual(await asked('both.csv', 'in (m/s),out (m/s)\n4.43,3.98\n3.98,3.59\n3.59,3.23\n3.23,2.91\n'), ['speeds before and after a bounce']);
     assert.match(await answered(page, () => page.click('#question button')), /before and after/);
     const lead = await page.$eval('#answer .lead', node => node.textContent);
     assert.match(lead, /^ε = 0\.90/);
