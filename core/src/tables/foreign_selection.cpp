@@ -369,11 +369,11 @@ Selection selection_of(const ForeignTable& table) {
   std::vector<const char*> as;
   if (!columns.are_heights) as.push_back(are_times ? "times" : "intervals");
   if (columns.are_heights || (!are_times && !are_measured)) as.push_back("heights");
-  for (const char* one : as)
-    for (const Reading& reading : readings_of(numbers, {one}, are_measured, table.options,
+  for (const char* kind : as)
+    for (const Reading& reading : readings_of(numbers, {kind}, are_measured, table.options,
                                               several.by_rows && columns.are_proved
                                                   ? ""
-                                                  : columns_option(table, *one == 'h' ? "h" : "t", several.columns)))
+                                                  : columns_option(table, *kind == 'h' ? "h" : "t", several.columns)))
       readings.push_back(
           {(several.by_rows ? "a drop in each row, " : "a drop in each column, ") + reading.meaning, reading.options});
   ask(table, question, std::move(readings));
