@@ -124,7 +124,7 @@ FUNCTIONS = {
             >>> len(analysis.onsets), round(analysis.fit.eps(1.0).value, 2)
             (40, 0.98)'''),
     "compare": dict(
-        what="Recordings with each other: by what two differ; of many the pooled law, drift, plates, outliers.",
+        what="Recordings with each other: by what two differ; of many eps of all, drift, plates, outliers.",
         positional=[
             ("samples", "path, Samples, mapping or DataFrame, or list of them", None,
              "Two recordings or more: files of samples or of sound, or tables in memory, in which the column "

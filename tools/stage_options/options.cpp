@@ -250,7 +250,8 @@ Description members_of(const ForeignFileOptions*) {
       member<&O::table, &ForeignOptions::columns>("columns",
                                                   "Which columns are what, by title or number from 1; t=1,t=2: a drop "
                                                   "in each; h0=COLUMN,h=COLUMN: heights before "
-                                                  "and after a bounce (default: by the units of their titles)")
+                                                  "and after a bounce, v_in=COLUMN,v_out=COLUMN: speeds "
+                                                  "(default: by the units of their titles)")
           .looks_like("t|h=COLUMN[,drop=COLUMN]"),
       member<&O::tier>(
           "tier",

@@ -326,9 +326,10 @@ Description members_of(const FitResult*) {
           "for all"),
       member<fitted_windows>("histograms", "Windows of speed that have enough samples, see below"),
       member<&F::budget>("budget", "Error budget, see below"),
-      member<&F::dem_export>("hand_off",
-                             "`null`, or `{v_mps, eps, se, gamma, ball, warning, missing}`: what `dem` makes inputs of "
-                             "discrete-element codes of"),
+      member<&F::dem_export>(
+          "hand_off",
+          "`null`, or `{v_mps, eps, se, gamma, ball, warning, missing}`: ε at one speed for codes that "
+          "take one; `dem` makes its inputs of `curve`, `scatter` and `constants`, at this speed"),
       member<&F::density>("density",
                           "Counts of samples, of more than 400 (fewer are shown one by one): `v_edges_mps`, "
                           "`eps_edges`, `counts[eps bin][v bin]`, `n_outside`"),

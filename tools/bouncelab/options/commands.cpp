@@ -236,7 +236,7 @@ Command compare_command() {
       member<&O::out>("out", "Folder for comparison.json, comparison.csv and report.html").writes("FOLDER").required()};
   return command_of<O>(
       {"compare", kStages,
-       "Two recordings or plates: do they differ, and by what? Many: the pooled law, drift, plates, outliers",
+       "Two recordings or plates: do they differ, and by what? Many: ε of all, drift, plates, outliers",
        "Example: bouncelab compare glass.wav wood.wav --out out/plates\n"
        "         bouncelab compare samples.csv --groups plates.csv --out out/campaign"},
       files, run_compare);
