@@ -189,6 +189,7 @@ void score_neighbours(const Onsets& truth, const Onsets& marked, const std::vect
       ++score.n_stated;
       score.n_covered += std::abs(pull) <= kNormal95 ? 1 : 0;
       score.sum_pull2 += square(pull);
+      score.largest_pull = std::max(score.largest_pull.value_or(0.0), std::abs(pull));
       score.sum_log_score -= log(scored_s / 1e-6) + 0.5 * square(between_s / scored_s);
     }
   }
@@ -316,6 +317,7 @@ DetectorScore pooled(const std::vector<DetectorScore>& scores) {
     all.n_stated += score.n_stated;
     all.n_covered += score.n_covered;
     all.sum_pull2 += score.sum_pull2;
+    all.largest_pull = std::max(all.largest_pull, score.largest_pull);  // none is less than any
     all.sum_log_score += score.sum_log_score;
     all.without_ball_s += score.without_ball_s;
     all.n_invented += score.n_invented;
@@ -381,6 +383,7 @@ Description members_of(const DetectorScore*) {
       member<&S::eps_error>("eps_error", "Root mean square error of ε of three neighbours found"),
       member<&S::n_stated>("n_stated", "Intervals of which both standard errors are stated"),
       member<&S::pull>("pull", "Root mean square of error over standard error: 1 where stated errors are right"),
+      member<&S::largest_pull>("largest_pull", "The largest of these, of one interval: a rare wrong time shows here"),
       member<&S::coverage>("coverage", "Share of the 95 % intervals that hold the truth"),
       member<&S::log_score>(
           "log_score", "Mean of -ln(σ / 1 µs) - error²/(2 σ²): largest where errors are small and stated as they are"),

@@ -6,9 +6,9 @@ const detectorColours = [blue, orange, green, red, ink, grey];
 const isNumeric = texts => texts.length > 1 && texts.every(t => t !== '' && Number.isFinite(Number(t)));
 const share = x => known(x) ? x.toFixed(3) : '–';
 const micro = x => known(x) ? significant(1e6 * x) : '–';
-const scoreHeads = ['found', 'F ±50 ms', 'F ±5 ms', 'F ±1 ms', 'F ±.1 ms', 'precision', 'recall', 'offset, µs', 'jitter, µs', '× bound', 'error of ε', 'pull', 'in 95 %', 'invented an hour', '× real time'];
+const scoreHeads = ['found', 'F ±50 ms', 'F ±5 ms', 'F ±1 ms', 'F ±.1 ms', 'precision', 'recall', 'offset, µs', 'jitter, µs', '× bound', 'error of ε', 'pull', 'largest', 'in 95 %', 'invented an hour', '× real time'];
 const scoreCells = s => [`${number(s.n_found)} of ${number(s.n_true)}`, share(s.f_50ms), share(s.f_5ms), share(s.f_1ms), share(s['f_0.1ms']), share(s.precision_5ms), share(s.recall_5ms), micro(s.offset_s), micro(s.within_drops_s),
-                         significant(s.bound_ratio_within_drops), significant(s.eps_error), known(s.pull) ? s.pull.toFixed(2) : '–', share(s.coverage), significant(s.invented_per_hour), known(s.times_real_time) ? number(Math.round(s.times_real_time)) : '–'];
+                         significant(s.bound_ratio_within_drops), significant(s.eps_error), known(s.pull) ? s.pull.toFixed(2) : '–', significant(s.largest_pull), share(s.coverage), significant(s.invented_per_hour), known(s.times_real_time) ? number(Math.round(s.times_real_time)) : '–'];
 
 /// One number of every detector against the values of one list, or of the first recording and of several short lists.
 function drawFactors(parent, validation, options, key, words, extra, bound) {

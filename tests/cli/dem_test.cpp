@@ -159,9 +159,10 @@ TEST_F(DemCommand, SofterBallsBounceAsFitted) {
                                                {"yade", "yade", "yade -n -x INPUT SPEED"}})
     for (const char* model : {"constant", "viscoelastic"}) {
       const std::string text = input(code, model, "--youngs-modulus 1e7");
-      EXPECT_THAT(
-          text, testing::HasSubstr(
-                    "E = 1e+07 Pa in place of the ball's: contacts last 39.9 times as long"));  // (1.003e11/1e7)^(2/5)
+      // (1.003e11/1e7)^(2/5); Yade's contact with a wall is 2^(1/5) times as long
+      EXPECT_THAT(text,
+                  testing::HasSubstr("E = 1e+07 Pa in place of the ball's: contacts last " +
+                                     std::string(program == std::string("yade") ? "45.8" : "39.9") + " times as long"));
       if (std::system((std::string("command -v ") + program + " >/dev/null").c_str()) == 0)
         EXPECT_NEAR(bounced(text, command, "0.6"), eps, 2e-3) << code << ' ' << model;
     }
@@ -172,7 +173,8 @@ TEST_F(DemCommand, DoesNotGiveACodeLessThanItCanBounce) {
   ASSERT_EQ(run("fit s.csv --out fit.json --quiet").exit_code, 0);
   const Result lammps = run("dem fit.json --code lammps");
   EXPECT_EQ(lammps.exit_code, 1);
-  EXPECT_THAT(lammps.err, testing::HasSubstr("no constant ε below 0.05 in LIGGGHTS and 0.114 in LAMMPS"));
+  EXPECT_THAT(lammps.err, testing::AllOf(testing::HasSubstr("no constant ε below 0.114 in LAMMPS"),
+                                         testing::Not(testing::HasSubstr("LIGGGHTS"))));
   EXPECT_EQ(run("dem fit.json --code liggghts").exit_code, 0);
 }
 

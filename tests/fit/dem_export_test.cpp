@@ -102,7 +102,11 @@ TEST(DemExport, HasViscoelasticContactsWhereASphereExplainsTheCurveAndSaysSoWher
   const DemExport none = exported(fitted(testing::independent_samples(rises, 2000, 0.2, 1.4, 0.0)));
   EXPECT_FALSE(none.gamma);
   EXPECT_FALSE(find(none, "LAMMPS", "viscoelastic"));
-  EXPECT_THAT(none.missing, ::testing::HasSubstr("no viscoelastic model"));
+  for (const MissingModel& missing : none.missing) {
+    EXPECT_EQ(missing.model, "viscoelastic");
+    EXPECT_THAT(missing.reason, ::testing::StartsWith("no viscoelastic model: a sphere"));
+  }
+  EXPECT_EQ(none.missing.size(), 3u);  // LIGGGHTS, Yade, LAMMPS: of MercuryDPM there is no such model
 }
 
 TEST(DemExport, SaysWhetherAConstantIsRightAtAllSpeedsOrAtOne) {

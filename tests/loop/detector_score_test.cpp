@@ -113,6 +113,14 @@ TEST(DetectorScore, SeesTheBoundBehindTheContactLaw) {
   EXPECT_NEAR(*score.pull(), 1.0, 0.05);
   EXPECT_NEAR(*score.coverage(), 0.95, 3.0 * std::sqrt(0.95 * 0.05 / 1000.0));  // neighbours share a mark
   EXPECT_NEAR(*score.times_real_time(), 100.0, kExact);
+  EXPECT_LT(*score.largest_pull, 5.0);  // of 1999 normal errors one in 900 runs has a larger one
+  const double pull_before = *score.pull();
+  marks[1000].t_s += 100e-6;  // 50 standard errors, 35 of an interval
+  const DetectorScore wrong = score_detector(truth, marks, 200.0, 2.0);
+  EXPECT_NEAR(*wrong.largest_pull, 50.0 / std::sqrt(2.0), 5.0);
+  EXPECT_LT(*wrong.pull(), pull_before + 0.5);  // sqrt(1 + 2 35^2/1999): two of 1999 are seen in the largest
+  EXPECT_EQ(*pooled({score, wrong}).largest_pull, *wrong.largest_pull);
+  marks[1000].t_s -= 100e-6;
   truth.v_mps.clear();
   EXPECT_GT(*score_detector(truth, marks, 200.0, 2.0).bound_ratio, 5.0);
 }

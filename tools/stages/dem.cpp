@@ -52,8 +52,10 @@ Outcome dem_of(const std::string& content, const DemOptions& options) {
     outcome.result = {{"program", snippet.program}, {"model", snippet.model}, {"text", snippet.text}};
     return outcome;
   }
-  outcome.error = options.fit + ": nothing " + options.model + " for " + options.code + ": " + has +
-                  (has.empty() || dem->missing.empty() ? "" : "; ") + dem->missing;
+  outcome.error = options.fit + ": nothing " + options.model + " for " + options.code + ": " + has;
+  for (const fit::MissingModel& missing : dem->missing)
+    if (lower_case(missing.program) == options.code && (options.model.empty() || missing.model == options.model))
+      outcome.error += (has.empty() ? "" : "; ") + missing.reason;
   outcome.exit_code = kNotUsable;
   return outcome;
 }

@@ -140,6 +140,11 @@ std::string text_of(const std::vector<Case>& cases, const std::vector<DetectorRe
       text += fmt::format("{}: offsets of recordings from {:.4g} to {:.4g} us, further apart than its jitter\n",
                           result.detector.name, *least_s / 1e-6, *most_s / 1e-6);
   }
+  constexpr double kFar = 5.0;  // of a normal error one in two million
+  for (const DetectorResult& result : results)
+    if (const std::optional<double> pull = result.all.largest_pull; pull && *pull > kFar)
+      text += fmt::format("{}: the error of an interval is up to {:.3g} times its stated standard error\n",
+                          result.detector.name, *pull);
   for (const DetectorResult& result : results)
     if (result.n_failed > 0)
       text += fmt::format("{}: failed in {} of {} recordings, whose impacts count as missed\n", result.detector.name,

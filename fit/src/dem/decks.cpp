@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <string_view>
 #include <utility>
 
 #include "bouncelab/core/elementary.hpp"
@@ -74,21 +75,16 @@ DemContact dem_contact(const std::optional<Ball>& ball, const std::optional<Mate
   contact.k_t_pa = 3.0 * (1.0 - nu) / (2.0 - nu) * contact.k_n_pa;
   contact.youngs_modulus_pa = 1.5 * (1.0 - nu * nu) * contact.k_n_pa;
   contact.duration_s = kHertz * pow(1.25 * mass / (contact.k_n_pa * root), 0.4);
-  const double overlap_m = pow(1.25 * mass * square(v_mps) / (contact.k_n_pa * root), 0.4);
+  contact.overlap_m = pow(1.25 * mass * square(v_mps) / (contact.k_n_pa * root), 0.4);
   constexpr double kDeepest = 0.25;  // of the radius: Hertz's contact is small beside the ball
-  if (youngs_modulus_pa && overlap_m > kDeepest * taken.radius_m)
+  if (youngs_modulus_pa && contact.overlap_m > kDeepest * taken.radius_m)
     throw InvalidArgument(
         formatted("--youngs-modulus %.3g Pa: at %.3g m/s the ball overlaps the plate by %.2g %% of its "
                   "radius, where no contact law holds; take %.2g Pa or more",
-                  *youngs_modulus_pa, v_mps, 100.0 * overlap_m / taken.radius_m,
-                  *youngs_modulus_pa * pow(overlap_m / (kDeepest * taken.radius_m), 2.5)));
-  if (youngs_modulus_pa) {
-    contact.ball += formatted("\nE = %.4g Pa in place of the ball's: ", *youngs_modulus_pa);
-    if (is_known)
-      contact.ball += formatted("contacts last %.3g times as long, ", pow(measured_pa / contact.k_n_pa, 0.4));
-    contact.ball += formatted("the deepest overlap at %.3g m/s is %.2g %% of the radius", v_mps,
-                              100.0 * overlap_m / taken.radius_m);
-  }
+                  *youngs_modulus_pa, v_mps, 100.0 * contact.overlap_m / taken.radius_m,
+                  *youngs_modulus_pa * pow(contact.overlap_m / (kDeepest * taken.radius_m), 2.5)));
+  contact.is_softened = youngs_modulus_pa.has_value();
+  if (youngs_modulus_pa && is_known) contact.times_as_long = pow(measured_pa / contact.k_n_pa, 0.4);
   return contact;
 }
 
@@ -129,14 +125,25 @@ std::string commented(const std::string& text, const std::string& mark) {
   return result + "\n";
 }
 
+/// A line of what a stated E does.
+/// @param stretch  how much longer and deeper a code's contact with a wall is: it is not as stiff as E says
+std::string softness(const Decks& decks, double stretch) {
+  const DemContact& c = decks.contact;
+  if (!c.is_softened) return {};
+  std::string text = formatted("\nE = %.4g Pa in place of the ball's: ", c.youngs_modulus_pa);
+  if (c.times_as_long) text += formatted("contacts last %.3g times as long, ", stretch * *c.times_as_long);
+  return text + formatted("the deepest overlap at %.3g m/s is %.2g %% of the radius", decks.v_mps,
+                          100.0 * stretch * c.overlap_m / c.radius_m);
+}
+
 constexpr double kFriction = 0.2;  // an example; eps along the normal does not depend on it
 
-Values common(const Decks& decks, const std::string& mark) {
+Values common(const Decks& decks, const std::string& mark, double stretch) {
   const DemContact& c = decks.contact;
   // contacts last as v^(-1/5), the way to the plate as 1/v: steps of v^(-1/5), as many as @contact@ + @way@ v^(-4/5)
   constexpr double kSteps = 200.0, kGap = 1e-4;  // a contact; radii above the plate
   const double step_s = c.duration_s / kSteps;
-  return {{"about", commented(decks.about, mark)},
+  return {{"about", commented(filled(decks.about, {{"softness", softness(decks, stretch)}}), mark)},
           {"v", number(decks.v_mps)},
           {"R", number(c.radius_m)},
           {"diameter", number(2.0 * c.radius_m)},
@@ -166,7 +173,10 @@ double told_to_lammps(double eps) {
 
 Snippet deck(const char* program, const char* model, const char* parameter, const char* text, Values values,
              const Decks& decks, const char* mark = "# ") {
-  const Values others = common(decks, mark);
+  // Yade's contact of a ball with a wall has R/2 for R: k_n sqrt(R) is less by sqrt 2, overlap and duration go as its
+  // power -2/5
+  const double stretch = std::string_view(program) == "Yade" ? pow(2.0, 0.2) : 1.0;
+  const Values others = common(decks, mark, stretch);
   values.insert(values.end(), others.begin(), others.end());
   return {program, model, parameter, filled(text, values)};
 }

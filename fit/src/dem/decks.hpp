@@ -36,7 +36,10 @@ struct DemContact {
   double k_n_pa = 0.0;  ///< (4/3) E*
   double k_t_pa = 0.0;  ///< 8 G* = 3 (1 - nu)/(2 - nu) k_n (Mindlin)
   double mass_kg = 0.0;
-  double duration_s = 0.0;  ///< of an elastic contact at 1 m/s; as v^(-1/5)
+  double duration_s = 0.0;                ///< of an elastic contact at 1 m/s; as v^(-1/5)
+  double overlap_m = 0.0;                 ///< the deepest, at v
+  bool is_softened = false;               ///< E was stated
+  std::optional<double> times_as_long{};  ///< a contact, where E was stated and the ball's own is known
 };
 
 /// As stiff as Hertz's law makes contacts that last as long as those of the ball do at v. Of a ball that is not known,
@@ -67,7 +70,8 @@ constexpr double kLeastOfLiggghts = 0.05, kLeastOfLammps = 0.114;
 /// What the inputs of all codes have in common.
 struct Decks {
   DemContact contact;
-  std::string about;   ///< where the numbers are from; one line or more, without marks of a comment
+  /// Where the numbers are from; one line or more, without marks of a comment. @softness@: what E does, by code.
+  std::string about;
   double v_mps = 0.0;  ///< of the impact that the input makes where nothing else is asked for
 };
 

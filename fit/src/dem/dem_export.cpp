@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "bouncelab/core/elementary.hpp"
+#include "bouncelab/core/numerics.hpp"
 #include "bouncelab/core/text.hpp"
 #include "dem/decks.hpp"
 
@@ -71,15 +73,10 @@ std::string within(const CurveWithScatter& fit, double off, double least_eps) {
                    fit.slowest(), fit.fastest());
 }
 
-void add_missing(DemExport& result, const std::string& which) {
-  result.missing += (result.missing.empty() ? "" : "; ") + which;
-}
-
 /// The viscoelastic inputs, each with the gamma for where its code ends contacts, or why there are none.
 void add_viscoelastic(DemExport& result, const Decks& base, const CurveWithScatter& fit, double off_constant) {
   for (const ContactEnd end : {ContactEnd::force, ContactEnd::surfaces}) {
     const bool parting = end == ContactEnd::surfaces;
-    if (parting && !result.gamma) return;
     const auto gamma = gamma_at(result.eps, base.v_mps, end);
     const auto eps_at = [&](double v) { return viscoelastic_by_motion(*gamma, v, end); };
     const double off = gamma ? distance(fit, eps_at) : 1.0;
@@ -93,13 +90,15 @@ void add_viscoelastic(DemExport& result, const Decks& base, const CurveWithScatt
       const auto more = viscoelastic_decks(decks, *gamma, end);
       result.snippets.insert(result.snippets.end(), more.begin(), more.end());
     } else {
-      add_missing(result,
-                  std::string(parting ? "no viscoelastic model for LAMMPS, whose contacts end where surfaces part: "
-                                      : "no viscoelastic model: ") +
-                      (gamma ? formatted("a sphere with that ε there is off by up to %.2g elsewhere, the "
-                                         "constant by %.2g",
-                                         off, off_constant)
-                             : std::string("no sphere has that ε")));
+      const std::string reason =
+          std::string(parting && result.gamma ? "no viscoelastic model for LAMMPS, whose contacts end where surfaces "
+                                                "part: "
+                                              : "no viscoelastic model: ") +
+          (gamma ? formatted("a sphere with that ε there is off by up to %.2g elsewhere, the constant by %.2g", off,
+                             off_constant)
+                 : std::string("no sphere has that ε"));
+      for (const char* program : parting ? std::vector{"LAMMPS"} : std::vector{"LIGGGHTS", "Yade"})
+        result.missing.push_back({program, "viscoelastic", reason});
     }
   }
 }
@@ -130,7 +129,7 @@ std::optional<DemExport> dem_export(const Curve& curve, const std::optional<Scat
   result.ball = decks.contact.ball;
   const std::string at =
       formatted("%.4f at %.3g m/s, root mean square: it keeps the energy that the impacts keep", result.eps, v_mps);
-  const std::string ball_line = "\nfriction 0.2 is an example; stiffness, size and mass: " + result.ball;
+  const std::string ball_line = "\nfriction 0.2 is an example; stiffness, size and mass: " + result.ball + "@softness@";
   const double off_constant = distance(fit, [&](double) { return result.eps; });
   constexpr double kSame = 1e-3;  // of eps
   const auto how_constant = [&](const char* eps) {
@@ -141,15 +140,20 @@ std::optional<DemExport> dem_export(const Curve& curve, const std::optional<Scat
   decks.about = "constant coefficient of restitution " + at + "\n" + how_constant("eps") + ball_line;
   result.snippets = constant_decks(decks, result.eps);
   result.warning = how_constant("ε");
-  if (result.eps < kLeastOfLammps)
-    add_missing(result, formatted("no constant ε below %g in LIGGGHTS and %g in LAMMPS, whose contacts return more",
-                                  kLeastOfLiggghts, kLeastOfLammps));
+  for (const auto& [program, least] : {std::pair("LIGGGHTS", kLeastOfLiggghts), std::pair("LAMMPS", kLeastOfLammps)})
+    if (result.eps < least)
+      result.missing.push_back(
+          {program, "constant", formatted("no constant ε below %g in %s, whose contacts return more", least, program)});
   const auto add = [&](std::vector<Snippet> more) {
     result.snippets.insert(result.snippets.end(), more.begin(), more.end());
   };
   decks.about = at + ball_line;
   add_viscoelastic(result, decks, fit, off_constant);
-  if (scatter && fastest > slowest) add(independent_samplers(scatter_rows(fit), "two exponentials with a normal part"));
+  if (scatter && fastest > slowest)
+    add(independent_samplers(scatter_rows(fit), "two exponentials with a normal part" +
+                                                    (result.se ? formatted(", mean ± %.2g (95 %%) at %.3g m/s",
+                                                                           kNormal95 * *result.se, v_mps)
+                                                               : std::string())));
   if (memory)
     result.snippets.push_back(
         sampler_with_memory(memory->law, memory->q, slowest, fastest, "law and q of the fit with memory"));

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What the results of the law are called and what they are, key by key (docs/formats.md is made of these texts).
+#include <utility>
+
 #include "bouncelab/fit/fit.hpp"
 #include "results/parts.hpp"
 
@@ -101,6 +103,18 @@ Description members_of(const ResidualBin*) {
   return all;
 }
 
+namespace {
+
+/// Each reason once, whichever codes have it.
+std::string reasons_of(const DemExport& dem) {
+  std::string text, last;
+  for (const MissingModel& missing : dem.missing)
+    if (missing.reason != std::exchange(last, missing.reason)) text += (text.empty() ? "" : "; ") + missing.reason;
+  return text;
+}
+
+}  // namespace
+
 Description members_of(const DemExport*) {
   using D = DemExport;
   static constexpr Member all[]{
@@ -112,7 +126,9 @@ Description members_of(const DemExport*) {
                         "at other speeds"),
       member<&D::ball>("ball", "Ball and plate whose contact the inputs have"),
       member<&D::warning>("warning", "How far ε moves over the speeds of the data"),
-      member<&D::missing>("missing", "Which models the codes do not get, and why; why `gamma` is `null`")};
+      computed(
+          "missing", [](const D& d) { return reasons_of(d); },
+          "Which models the codes do not get, and why; why `gamma` is `null`")};
   return all;
 }
 

@@ -22,6 +22,12 @@ struct Snippet {
   std::string text;
 };
 
+/// A model for which a code gets no input.
+struct MissingModel {
+  std::string program, model;  ///< as in Snippet
+  std::string reason;
+};
+
 /// The fitted law for codes that collide: they need what keeps the energy, the root of the mean of eps^2.
 /// (docs/dem.md)
 struct DemExport {
@@ -34,7 +40,7 @@ struct DemExport {
                                 ///< sphere is half as far from eps(v) at other speeds as the constant
   std::string ball;             ///< the ball and plate whose contact the inputs have
   std::string warning;          ///< how far eps moves over the speeds of the data
-  std::string missing;          ///< which models codes do not get, and why
+  std::vector<MissingModel> missing;
   std::vector<Snippet> snippets;
 };
 Description members_of(const DemExport*);

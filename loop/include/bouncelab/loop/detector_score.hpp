@@ -65,6 +65,7 @@ struct DetectorScore {
   std::size_t n_stated = 0;                    ///< intervals of which both standard errors are stated
   std::size_t n_covered = 0;                   ///< whose error is within 1.96 of them
   double sum_pull2 = 0.0;                      ///< of (error / standard error)^2
+  std::optional<double> largest_pull;          ///< size of the largest error / standard error
   double sum_log_score = 0.0;                  ///< of log_score()
   double without_ball_s = 0.0;                 ///< length of recordings in which nothing strikes [s]
   std::size_t n_invented = 0;                  ///< marks in them
