@@ -249,7 +249,6 @@ void CurveAt::add_prior_of_deviations(const Gram& gram, LinearEquations& linear,
     ++first;
   };
   // of the intervals as measured: their density is that of eps times d eps / d (T'/T)
-  linear.right.segment(first, n_open()) += gram.ln_jacobian_slopes;
   linear.constant += gram.ln_jacobian;
   if (known_.has_drag) known_to(-at_.ln_kappa, known_.kappa_spread);
   if (known_.has_contact) known_to(-at_.ln_tau, known_.contact.spread);

@@ -7,10 +7,12 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <string>
 #include <utility>
 
 #include "bouncelab/core/elementary.hpp"
+#include "bouncelab/core/numerics.hpp"
 #include "bouncelab/core/parallel.hpp"
 #include "numerics/numerics.hpp"
 
@@ -81,6 +83,24 @@ void smooth(RestitutionSamples& rows) {
   }
 }
 
+/// eps of each sample without its own scatter: the median of those about as fast.
+std::vector<double> eps_of_as_fast(const RestitutionSamples& samples) {
+  constexpr std::size_t kLeast = 3, kWindows = 24;  // on either side
+  const std::size_t n = samples.size(), reach = std::max(kLeast, n / kWindows);
+  std::vector<std::size_t> order(n);
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return samples[a].v_mps < samples[b].v_mps; });
+  std::vector<double> typical(n);
+  for (std::size_t k = 0; k < n; ++k) {
+    const std::size_t aside = std::min({reach, k, n - 1 - k});  // as many slower as faster ones
+    std::vector<double> eps;
+    for (std::size_t j = k - aside; j <= k + aside; ++j) eps.push_back(samples[order[j]].eps);
+    typical[order[k]] = median(std::move(eps));
+  }
+  return typical;
+}
+
 }  // namespace
 
 PlateSamples plate_samples(const RestitutionSamples& samples, const AirAndContact& known, Deviation at) {
@@ -107,7 +127,7 @@ PlateSamples plate_samples(const RestitutionSamples& samples, const AirAndContac
   all.timing = Eigen::MatrixXd::Zero(n, 3);
   all.excess = Eigen::VectorXd::Zero(n);
   all.timing_is_least = n > 0 && samples.front().conditions.sigma_is_least;
-  all.ln_jacobian.resize(n), all.ln_jacobian_slopes.resize(n, n_open);
+  all.ln_jacobian.resize(n);
   constexpr double kStep = 0.02;  // in ln: derivatives of a smooth transformation
   const OneAirAndContact here(known, at);
   std::vector<std::pair<OneAirAndContact, OneAirAndContact>> beside;
@@ -117,6 +137,7 @@ PlateSamples plate_samples(const RestitutionSamples& samples, const AirAndContac
   };
   if (known.has_drag) add_beside({kStep, 0.0});
   if (known.has_contact) add_beside({0.0, kStep});
+  const std::vector<double> typical = eps_of_as_fast(samples);
   Eigen::Index row = 0;
   for (Drop& drop : drops) {
     std::stable_sort(drop.rows.begin(), drop.rows.end(),
@@ -134,19 +155,21 @@ PlateSamples plate_samples(const RestitutionSamples& samples, const AirAndContac
     for (std::size_t k = 0; k < drop.rows.size(); ++k, ++row) {
       const RestitutionSample &s = measured[k], &in_train = train[k];
       const bool from_height = s.impact == 0;
-      const auto moved = [&](const OneAirAndContact& one) {
-        return known.is_open() ? one.at_the_plate(s.v_mps, s.eps, from_height) : AtThePlate{s.v_mps, s.eps, 1.0};
+      const auto moved = [&](const OneAirAndContact& one, double eps) {
+        return known.is_open() ? one.at_the_plate(s.v_mps, eps, from_height) : AtThePlate{s.v_mps, eps, 1.0};
       };
-      const AtThePlate plate = moved(here);
+      const AtThePlate plate = moved(here, s.eps);
       all.x[row] = log(plate.v_mps);
       all.impact[row] = static_cast<double>(s.impact);
       all.ln_jacobian[row] = log(plate.stretch);
+      // the derivatives of a sample without its scatter: else a deviation would stretch or shrink the scatter in
+      // proportion, beyond all bounds, and of thousands of samples what shrinks it most would be likeliest
+      const double typical_eps = is_train ? in_train.eps : typical[drop.rows[k]];
       for (std::size_t j = 0; j < beside.size(); ++j) {
         const auto column = static_cast<Eigen::Index>(j);
-        const AtThePlate up = moved(beside[j].first), down = moved(beside[j].second);
+        const AtThePlate up = moved(beside[j].first, typical_eps), down = moved(beside[j].second, typical_eps);
         all.dx(row, column) = log(up.v_mps / down.v_mps) / (2.0 * kStep);
         all.deps(row, column) = (up.eps - down.eps) / (2.0 * kStep);
-        all.ln_jacobian_slopes(row, column) = log(up.stretch / down.stretch) / (2.0 * kStep);
       }
       OfOnsets of = of_onsets(samples[drop.rows[k]], known.gravity_mps2);
       of.by_time = of_onsets(in_train, known.gravity_mps2).by_time;
@@ -201,7 +224,6 @@ PlateSamples part_of(const PlateSamples& samples, const std::vector<Eigen::Index
   part.dx = samples.dx(rows, Eigen::all), part.deps = samples.deps(rows, Eigen::all);
   part.timing = samples.timing(rows, Eigen::all);
   part.ln_jacobian = samples.ln_jacobian(rows);
-  part.ln_jacobian_slopes = samples.ln_jacobian_slopes(rows, Eigen::all);
   part.pieces.clear();
   Eigen::Index row = 0;
   for (const PlateSamples::Piece& piece : samples.pieces)
@@ -310,8 +332,7 @@ Gram gram_of(const PlateSamples& samples, double x_middle, const Eigen::VectorXd
     if (n_shared > 0)  // Eigen divides by the number of columns
       gram.of.selfadjointView<Eigen::Lower>().rankUpdate(shared.leftCols(n_shared), -1.0);
   });
-  Gram sum{Eigen::MatrixXd::Zero(n_columns, n_columns), 0.0, timing2, samples.ln_jacobian.sum(),
-           samples.ln_jacobian_slopes.colwise().sum().transpose()};
+  Gram sum{Eigen::MatrixXd::Zero(n_columns, n_columns), 0.0, timing2, samples.ln_jacobian.sum()};
   for (const Gram& part : parts) sum.of += part.of, sum.ln_det += part.ln_det;
   sum.of.triangularView<Eigen::StrictlyUpper>() = sum.of.transpose();
   return sum;

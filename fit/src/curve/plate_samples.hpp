@@ -30,8 +30,7 @@ struct PlateSamples {
   bool timing_is_least = false;
   /// Variance of eps by the times, covariance with the next row of the piece, with the one after that.
   Eigen::MatrixXd timing;
-  Eigen::VectorXd ln_jacobian;         ///< ln d eps / d (T'/T): density of eps to that of the intervals
-  Eigen::MatrixXd ln_jacobian_slopes;  ///< by the deviations
+  Eigen::VectorXd ln_jacobian;  ///< ln d eps / d (T'/T): density of eps to that of the intervals
 
   Eigen::Index size() const { return x.size(); }
 };
@@ -65,9 +64,8 @@ struct LikelyNoise {
 struct Gram {
   Eigen::MatrixXd of;
   double ln_det = 0.0;
-  double timing2 = 1.0;                ///< square of the noise's timing
-  double ln_jacobian = 0.0;            ///< of all these samples
-  Eigen::VectorXd ln_jacobian_slopes;  ///< by the deviations
+  double timing2 = 1.0;      ///< square of the noise's timing
+  double ln_jacobian = 0.0;  ///< of all these samples
 };
 /// @param inflation  a row each: of the variance of one bounce, 1 but of outliers
 /// @param x_middle   ln v_m

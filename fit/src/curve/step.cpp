@@ -30,7 +30,7 @@ void SmoothCurve::describe_step(const Sum& sum, const RestitutionSamples& sample
   const Term& best = sum.best;
   const Gram with_steps = gram_of(some.samples, curve.x_middle(), some.inflation, columns, sum.noises[best.noise]);
   const Gram without{with_steps.of.topLeftCorner(n_before, n_before), with_steps.ln_det, with_steps.timing2,
-                     with_steps.ln_jacobian, with_steps.ln_jacobian_slopes};
+                     with_steps.ln_jacobian};
   const LinearEquations of = curve.linear(without, best.base);
   const std::vector<Eigen::Index> unknowns = curve.unknowns_of(best.base);
   const Eigen::MatrixXd of_steps = with_steps.of(unknowns, Eigen::seqN(n_before, n_places));
