@@ -77,7 +77,7 @@ World drawn(const Kind& kind, Random& random) {
   return w;
 }
 
-Onsets heard(const World& w, Random& random) {
+Onsets heard(const World& w, Random& random, std::int64_t drop = 0) {
   Onsets onsets;
   const double h = 0.15 + 0.85 * random.uniform();
   double v = flight(w, std::sqrt(2.0 * kG * h)).landing_mps, t = 1.0;
@@ -85,6 +85,7 @@ Onsets heard(const World& w, Random& random) {
   for (int k = 0; k < 40; ++k) {
     Onset onset;
     onset.recording = "a";
+    onset.drop = drop;
     onset.impact = k;
     onset.t_s = t + w.sigma_t_s * random.normal();
     onset.sigma_t_s = w.sigma_t_s;
@@ -97,6 +98,27 @@ Onsets heard(const World& w, Random& random) {
     if (v < least_mps || duration_s < 4.0 * tau) break;
   }
   return onsets;
+}
+
+TEST(AnyBall, OfManyDropsIsNotTakenForWhatMakesTheScatterLook) {
+  // a deviation that shrinks each sample's own scatter, and a scatter that is held to what it is of another ball, made
+  // this a basketball: 0.016 too low in eps, 30 standard errors
+  World w{kKinds[2], 1.0, 37e-6, 0.97, -0.01, 0.001, 1e-6};
+  for (const std::uint64_t seed : {1, 2}) {
+    Random random(seed, RandomStream::test, 0);
+    Onsets onsets;
+    for (std::int64_t drop = 0; drop < 20; ++drop)
+      for (const Onset& onset : heard(w, random, drop)) onsets.push_back(onset);
+    FitConfig fit;
+    fit.n_goodness = 0;
+    const FitResult result = fit_all(restitution_samples(onsets, {}).samples, fit);
+    ASSERT_TRUE(result.curve);
+    for (const CurveNode& node : result.curve->nodes) {
+      const double t = stated_truth(w, node.v_mps);
+      EXPECT_LE(node.eps.ci95->lo, t) << seed << " " << node.v_mps;
+      EXPECT_GE(node.eps.ci95->hi, t) << seed << " " << node.v_mps;
+    }
+  }
 }
 
 class AnyBallNamed : public ::testing::TestWithParam<bool> {};
@@ -130,9 +152,7 @@ TEST_P(AnyBallNamed, HasItsTrueRestitutionInTheInterval) {
 INSTANTIATE_TEST_SUITE_P(AnyBall, AnyBallNamed, ::testing::Bool(),
                          [](const auto& of) { return of.param ? "named" : "not_named"; });
 
-TEST(AnyBall, OfManyDropsHasNoContactTimeThatItsLikelihoodDoesNotHave) {
-  // beyond some milliseconds the likelihood of so many impacts falls off by hundreds from one place of the grid to the
-  // next, and between them lies no maximum
+TEST(AnyBall, OfManyDropsOfASimulationHasItsTrueRestitutionInTheInterval) {
   bouncelab::testing::SyntheticRun run;
   run.n_drops = test::repetitions<std::size_t>(6, 60);
   FitConfig config;
@@ -140,8 +160,17 @@ TEST(AnyBall, OfManyDropsHasNoContactTimeThatItsLikelihoodDoesNotHave) {
   config.n_goodness = 0;
   const FitResult result = fit_all(restitution_samples(bouncelab::testing::synthetic_onsets(run), {}).samples, config);
   ASSERT_TRUE(result.curve);
-  // made without contact time; .3 ms of it would change eps at .3 m/s by a standard error
-  EXPECT_LT(result.curve->contact_s ? result.curve->contact_s->value : 0.0, 1e-3);
+  // made without contact time or air: what there is of either is not told from none, and eps is right
+  ASSERT_TRUE(result.curve->contact_s);
+  EXPECT_LT(result.curve->contact_s->ci95->lo, 1e-4);
+  for (const CurveNode& node : result.curve->nodes) {
+    const double below = mean_below(run, node.v_mps), above = mean_above(run, node.v_mps);
+    const double t = std::hypot(restitution(run.law, node.v_mps) + above - below, std::hypot(below, above));
+    // no air is the edge of what may be beforehand
+    const double beside = 0.1 * (node.eps.ci95->hi - node.eps.ci95->lo);
+    EXPECT_LE(node.eps.ci95->lo - beside, t) << node.v_mps;
+    EXPECT_GE(node.eps.ci95->hi + beside, t) << node.v_mps;
+  }
 }
 
 /// Steel on a plate that yields, by people who name neither: contacts of milliseconds of a ball without slope make

@@ -102,7 +102,7 @@ Estimate SmoothCurve::height_at(const Sum& sum, std::size_t j, LnHeight ln_heigh
   }
   const auto quantity_of = [&](const Term& term) -> const Quantity& { return of_places[term.curve]; };
   const auto changed = [&](const Term& term, NormalPart& part) {
-    const double one = sum.noises[term.noise].variance(sum.x[j] - places_[term.curve].x_middle());
+    const double one = noise_at(sum, term.curve, term.noise).variance(sum.x[j] - places_[term.curve].x_middle());
     more(part, of_places[term.curve].parts.front().second, term.mean[column], std::sqrt(one));
   };
   return stated(parts_of(sum.terms, quantity_of, changed), sum.balls, -50.0, 50.0);

@@ -86,6 +86,13 @@ SmoothCurve::SmoothCurve(const RestitutionSamples& samples, const std::vector<Ai
   describe(samples);
 }
 
+/// A place that stretches the flights stretches their scatter: as much larger as it was found to be there.
+Noise SmoothCurve::noise_at(const Sum& sum, std::size_t place, std::size_t noise) const {
+  Noise at = sum.noises[noise];
+  at.ln_s += places_[place].noise().noise.ln_s - places_.front().noise().noise.ln_s;
+  return at;
+}
+
 /// Weights by evidence, of what matters.
 SmoothCurve::Sum SmoothCurve::summed() const {
   // five places of ln s over its width; of thousands of samples one
@@ -106,7 +113,7 @@ SmoothCurve::Sum SmoothCurve::summed() const {
   std::vector<std::vector<Term>> found(places_.size() * sum.noises.size());
   const auto find = [&](std::size_t c, std::size_t i, auto matters) {
     const CurveAt& curve = places_[c];
-    const Gram& gram = sum.grams[c][i] = curve.gram(curve.all(), sum.noises[i]);
+    const Gram& gram = sum.grams[c][i] = curve.gram(curve.all(), noise_at(sum, c, i));
     for (std::size_t base = 0; base < bases().size(); ++base) {
       const LinearEquations of = curve.linear(gram, base);
       for (std::size_t k = 0; k < Slopes::places().size(); ++k)
@@ -243,7 +250,7 @@ void SmoothCurve::describe(const RestitutionSamples& samples) {
   place_at_speeds(sum);
 
   const auto variance = [&](const Term& term, std::size_t j) {
-    return sum.noises[term.noise].variance(sum.x[j] - places_[term.curve].x_middle());
+    return noise_at(sum, term.curve, term.noise).variance(sum.x[j] - places_[term.curve].x_middle());
   };
   const auto rms = [&](const Term& term, std::size_t j) {
     const double mean = term.mean[static_cast<Eigen::Index>(j)];
@@ -292,7 +299,7 @@ void SmoothCurve::describe(const RestitutionSamples& samples) {
 void SmoothCurve::describe_scatter(const Sum& sum) {
   double own = 0.0, shared = 0.0, timing2 = 0.0;
   for (const Term& term : sum.terms) {
-    const Noise& noise = sum.noises[term.noise];
+    const Noise noise = noise_at(sum, term.curve, term.noise);
     const double own2 = exp(2.0 * noise.ln_s);
     own += term.weight * own2, shared += term.weight * square(noise.rho) * own2;
     timing2 += term.weight * square(noise.timing);

@@ -53,6 +53,7 @@ class SmoothCurve {
   struct Sum;
 
   Sum summed() const;
+  Noise noise_at(const Sum& sum, std::size_t place, std::size_t noise) const;
   void place_at_speeds(Sum& sum) const;
   static double covariance(const Sum& sum, std::size_t j, std::size_t k);
   void describe(const RestitutionSamples& samples);
