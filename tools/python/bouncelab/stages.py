@@ -68,18 +68,15 @@ def simulate(keywords: Dict[str, Any], progress: Any) -> Impacts:
     with shown(progress) as callback:
         found = _core.simulate(_arguments(keywords), callback)
     _warn(found["warnings"])
-    world = {name: keywords[name] for name in ("ball", "plate") if keywords.get(name) is not None}
-    return Impacts(found["columns"], summary=json.loads(found["summary"]), world=world, in_air=bool(keywords.get("drag")))
+    return Impacts(found["columns"], summary=json.loads(found["summary"]), world=found["world"])
 
 
 def synthesize(impacts: Any, name: str, keywords: Dict[str, Any], progress: Any) -> Recording:
     impacts = Impacts.of(impacts)
-    given = dict(impacts.world, **{k: v for k, v in keywords.items() if v is not None})
     with shown(progress) as callback:
-        found = _core.synthesize(impacts.to_dict(), name, _arguments(given), callback)
-    truth = Onsets(found["truth"], source={"in_air": impacts.in_air})
-    return Recording(found["samples"], found["rate"], name=name, truth=truth, others=found["others"],
-                     bits=given.get("bits", "24"))
+        found = _core.synthesize(impacts.to_dict(), impacts.world, name, _arguments(keywords), callback)
+    return Recording(found["samples"], found["rate"], name=name, truth=Onsets(found["truth"], world=found["world"]),
+                     others=found["others"], bits=keywords.get("bits") or "24")
 
 
 def _is_name(recording: Any) -> bool:
@@ -93,6 +90,7 @@ def _listed(given: Any) -> Any:
 
 def detect(recording: Any, rate: Any, name: str, keywords: Dict[str, Any], progress: Any) -> Onsets:
     source: Dict[str, Any] = {}
+    world: Dict[str, str] = {}  # of an array nothing is known
     recording = _listed(recording)
     with shown(progress) as callback:
         if _is_name(recording) or isinstance(recording, (list, tuple)) and recording and all(map(_is_name, recording)):
@@ -100,9 +98,10 @@ def detect(recording: Any, rate: Any, name: str, keywords: Dict[str, Any], progr
             if rate is not None:
                 keywords = dict(keywords, rate=rate)
             found = _core.detect_files(files, _arguments(keywords), callback)
+            world = found["world"]
         else:
             if isinstance(recording, Recording):
-                source["in_air"] = recording.truth._source["in_air"]
+                world = recording.truth.world
                 rate = recording.rate if rate is None else rate
                 name = recording.name
                 recording = recording.samples
@@ -118,7 +117,7 @@ def detect(recording: Any, rate: Any, name: str, keywords: Dict[str, Any], progr
             source.update(samples=np.asarray(recording), rate=float(rate))
             found = _core.detect_samples(source["samples"], source["rate"], name, _arguments(keywords), callback)
     _warn(found["warnings"])
-    return Onsets(found["columns"], summary=json.loads(found["summary"]), source=source)
+    return Onsets(found["columns"], summary=json.loads(found["summary"]), world=world, source=source)
 
 
 def _is_series(given: Any) -> bool:
@@ -158,10 +157,8 @@ def restitution(onsets: Any, heights: Any, unit: str, keywords: Dict[str, Any]) 
     if heights is None and unit != "m":
         raise ValueError("unit is of heights; times are in seconds")
     onsets = _onsets(onsets) if heights is None else _onsets_of_heights(heights, unit)
-    if keywords.get("ball") is not None and keywords.get("air") is None and onsets._source.get("in_air") is False:
-        keywords = dict(keywords, air=0)  # simulated without, which the ball's name would correct
-    found = _core.restitution(onsets.to_dict(), _arguments(keywords))
-    return Samples(found["columns"], summary=json.loads(found["summary"]), onsets=onsets)
+    found = _core.restitution(onsets.to_dict(), onsets.world, _arguments(keywords))
+    return Samples(found["columns"], summary=json.loads(found["summary"]), world=found["world"], onsets=onsets)
 
 
 @contextlib.contextmanager
