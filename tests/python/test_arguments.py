@@ -100,7 +100,7 @@ class Errors(Case):
         here = self.written("t_s\n1\nx\n")
         for call in [lambda: bl.detect("/nonexistent.wav"), lambda: bl.detect(["/none.wav", "/nonexistent.wav"]),
                      lambda: bl.restitution("/nonexistent.csv"), lambda: bl.restitution(here),
-                     lambda: self.onsets.to_csv("/nonexistent/x.csv"), lambda: bl.Fit.from_json("/nonexistent.json"),
+                     lambda: self.onsets.to_csv("/dev/null/x.csv"), lambda: bl.Fit.from_json("/nonexistent.json"),
                      lambda: bl.simulate(surface="/nonexistent.csv")]:
             with self.assertRaises(OSError):
                 call()
@@ -262,7 +262,7 @@ class Errors(Case):
         with self.assertRaises(AttributeError):
             bl.nothing
         with self.assertRaisesRegex(OSError, "."):
-            small_sound(bl, small_impacts(bl, drops=1)).write("/nonexistent/s.wav")
+            small_sound(bl, small_impacts(bl, drops=1)).write("/dev/null/s.wav")
 
 
 if __name__ == "__main__":
