@@ -87,10 +87,12 @@ class Table(Mapping[str, Any]):
             return values
         if isinstance(values, (str, os.PathLike)):
             return cls.from_csv(values)
-        if hasattr(values, "columns") and hasattr(values, "to_numpy"):  # pandas
-            return cls({name: values[name].to_numpy() for name in values.columns})
         if cls is Samples and isinstance(values, Onsets):
             raise TypeError("Onsets given; Samples are needed: restitution(onsets)")
+        if cls is Samples and hasattr(values, "keys") and {"v_after_mps", "eps"}.intersection(values) == {"v_after_mps"}:
+            raise TypeError("Impacts given; Samples are needed: restitution(impacts)")
+        if hasattr(values, "columns") and hasattr(values, "to_numpy"):  # pandas
+            return cls({name: values[name].to_numpy() for name in values.columns})
         if isinstance(values, Mapping):
             return cls(values, world=getattr(values, "world", None))
         if cls is Samples and isinstance(values, Analysis):
@@ -147,7 +149,10 @@ class Table(Mapping[str, Any]):
     def __getitem__(self, name: Any) -> Any:
         """A column by its name; by a slice, numbers or a mask of rows a table of these."""
         if isinstance(name, str):
-            return self._columns[self._short.get(name, name)]
+            column = self._short.get(name, name)
+            if column not in self._columns:
+                raise KeyError(f"{name!r}: no such column; there are {', '.join(self._columns) or 'none'}")
+            return self._columns[column]
         if not isinstance(name, slice) and not hasattr(name, "__len__"):
             raise KeyError(f"{name!r}: the name of a column, a slice or a mask of rows")
         import numpy as np

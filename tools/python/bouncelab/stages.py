@@ -139,7 +139,7 @@ def _onsets(given: Any) -> Onsets:
             raise ValueError("times are numbers of seconds: (t - t[0]) / numpy.timedelta64(1, 's')")
         drops = [times.astype(float) for times in drops]
         if any(np.any(np.diff(times) <= 0) for times in drops):
-            raise ValueError("times must increase within a drop; of intervals the times are numpy.cumsum(intervals)")
+            raise ValueError("times must increase within a drop; of intervals the times are numpy.cumsum([0, *intervals])")
         return Onsets(t=np.concatenate(drops), drop=np.repeat(np.arange(len(drops)), [len(t_s) for t_s in drops]),
                       impact=np.concatenate([np.arange(len(t_s)) for t_s in drops]))
     return Onsets.of(given)
@@ -279,14 +279,18 @@ def compare(samples: Any, out: Any, keywords: Dict[str, Any], progress: Any) -> 
                 files.append(os.fspath(table))
                 continue
             table = Samples.of(table)
-            names = table.get("recording", [str(k)] * len(table))
+            names = [name or str(k) for name in table.get("recording", [""] * len(table))]
             names = [f"{name} ({k})" if name in seen else name for name in names]  # of an earlier table: another one
             seen.update(names)
             files.append(os.path.join(tables, f"{k}.csv"))
             Samples({**table, "recording": names}).to_csv(files[-1])
         with shown(progress) as callback:
             found = _core.compare(files, folder, _arguments(dict(keywords, groups=plates or None)), callback)
-    _warn(found["warnings"] + [found["error"]])
+    told = found["warnings"] + [found["error"]]
+    for k, file in enumerate(files, 1):
+        if os.path.dirname(file) == tables:  # which the caller has never seen
+            told = [line.replace(file, f"table {k}") for line in told]
+    _warn(told)
     return Comparison(folder, json.loads(found["summary"]), temporary)
 
 
@@ -308,6 +312,9 @@ def validate(detector: Any, vary: Any, keywords: Dict[str, Any], progress: Any) 
 
     import numpy as np
 
+    if not callable(detector):
+        raise TypeError(f"{type(detector).__name__} given; a detector is a function of samples and their rate [Hz], which gives "
+                        "the times of onsets [s]")
     names = {function: {option["name"].replace("-", "_") for option in json.loads(_core.options(function))}
              for function in ("simulate", "synthesize")}
     first, *others = _settings(vary or {})
@@ -325,7 +332,10 @@ def validate(detector: Any, vary: Any, keywords: Dict[str, Any], progress: Any) 
             begin = time.process_time()
             found = detector(sound.samples, sound.rate)
             seconds = time.process_time() - begin
-            t, sigma = found if isinstance(found, tuple) else (found, None)
+            t, sigma = found if isinstance(found, tuple) and len(found) == 2 else (found, None)
+            if np.ndim(t) != 1:
+                raise TypeError(f"the detector gave {type(t).__name__}; times of onsets [s] are needed, a list or an array, "
+                                "empty where there are none, or a tuple of times and their standard errors")
             order = np.argsort(np.asarray(t, float))
             marks = {"t_s": np.asarray(t, float)[order]}
             if sigma is not None:

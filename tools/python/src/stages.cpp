@@ -34,11 +34,25 @@ Impacts impacts_of(const py::dict& columns) {
   return read_in_memory([&] { return impacts_from_table(table, "impacts"); });
 }
 
+/// What `read` reads; where times do not increase, what is said has the remedy of Python for intervals.
+template <class Read>
+auto read_times(const std::string& remedy, const Read& read) {
+  try {
+    return read();
+  } catch (const FileError& error) {
+    const std::string of_command = "--as intervals";
+    const std::size_t at = error.reason().find(of_command);
+    if (at == std::string::npos) throw;
+    throw FileError(error.path(), std::string(error.reason()).replace(at, of_command.size(), remedy));
+  }
+}
+
 Onsets onsets_of(const py::dict& columns) {
   const Table table = table_of(columns, onset_columns(), "onsets");
   return read_in_memory([&] {
     DropsInTurn().check(table, "onsets");
-    return onsets_from_table(table, "onsets");
+    return read_times("numpy.cumsum([0, *intervals]) makes times of them",
+                      [&] { return onsets_from_table(table, "onsets"); });
   });
 }
 
@@ -267,7 +281,8 @@ py::tuple read_columns(const std::string& path, const std::string& kind, const s
   try {
     Table table =
         kind == "onsets"
-            ? to_table(stages::read_onsets(path, how, taken_for))
+            ? to_table(read_times("Onsets.from_csv(path, taken_as='intervals')",
+                                  [&] { return stages::read_onsets(path, how, taken_for); }))
             : to_table(samples_from_table(
                   stages::open_samples(path, how.table, taken_for).next(std::numeric_limits<std::size_t>::max()),
                   path));
