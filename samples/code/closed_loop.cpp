@@ -41,6 +41,7 @@ int main() {
         1e6 * onsets[k].sigma_t_s.value_or(0.0), eps[k].v_mps, eps[k].eps);
 
   // the peak of p(eps) follows the law that was simulated; the mean of a rough ball lies beside it
+  // by default without the fit with memory, which takes seconds; UseMemory::where_long gives the command line's numbers
   const fit::FitResult fit = fit::fit_all(eps, {});
   for (const fit::CurveNode& node : fit.curve->nodes)
     std::printf("at %.2f m/s: mean eps %s, peak %s, law %.6f, pull %.2f\n", node.v_mps,

@@ -61,13 +61,13 @@ TEST(Description, ATextSetsTheMemberItIsReadFor) {
   };
   set("n", {"7", "8"});
   set("speed_mps", {"1e-3"});
-  set("nodes", {"0.3", "0.5"});
+  set("nodes", {"0.3", "0.5,0.75"});
   set("start_m", {"1,2"});
   set("kind", {"round"});
   set("drag", {"true"});
   EXPECT_EQ(whole.n, 8);
   EXPECT_EQ(whole.speed_mps, 1e-3);
-  EXPECT_EQ(whole.nodes, (std::vector{0.3, 0.5}));
+  EXPECT_EQ(whole.nodes, (std::vector{0.3, 0.5, 0.75}));
   EXPECT_EQ(whole.start_m, (std::vector{1.0, 2.0}));
   EXPECT_EQ(whole.kind, Kind::round);
   EXPECT_TRUE(whole.drag);
@@ -77,6 +77,7 @@ TEST(Description, ATextOutsideIsRefusedWithWhatItMustBe) {
   EXPECT_EQ(refusal("n", "0x10"), "'0x10' must be a decimal integer from 1 to 1000000000");
   EXPECT_EQ(refusal("n", "0"), "'0' must be a decimal integer from 1 to 1000000000");
   EXPECT_EQ(refusal("nodes", "inf"), "'inf' must be a finite decimal number from 0 to 1");
+  EXPECT_EQ(refusal("nodes", "0.3,,1"), "'' must be a finite decimal number from 0 to 1");
   EXPECT_EQ(refusal("start_m", "1"), "'1' must be 2 finite decimal numbers, X,Y");
   EXPECT_EQ(refusal("start_m", "1,10"), "'1,10' must be numbers from -9 to 9");
   EXPECT_EQ(refusal("kind", "square"), "'square' must be one of round, flat");

@@ -415,6 +415,8 @@ TEST(ForeignTable, OfSpeedsAndCoefficientsIsFoundByOurTitlesOrTold) {
   EXPECT_THAT(error("v;e\n1.2;89\n1.0;90\n0.8;91\n", "v=v,eps=e"), HasSubstr("per cent"));
   EXPECT_THAT(error("t (s);e\n1.2;.8\n", "v=1,eps=e"), HasSubstr("is no speed"));
   EXPECT_THAT(error("v;e\n1.2;.8\n1;x\n", "v=v,eps=e"), HasSubstr("line 3, column 'e': 'x'"));
+  EXPECT_THAT(error("drop,impact,t_s,v_mps,v_after_mps,eps_macro\n0,0,.1,1.3,1.2,.9\n", ""),
+              HasSubstr("impacts, no coefficients of restitution; make them first: bouncelab restitution x"));
   EXPECT_TRUE(question_of([&] { samples("n;v_mps;eps\n1;1.2;.8\n2;1;.8\nmean;1.1;.8\n"); }));
 }
 

@@ -6,6 +6,7 @@ import os
 import pathlib
 import re
 import unittest
+import warnings
 
 import bouncelab as bl
 import numpy as np
@@ -100,7 +101,7 @@ class Errors(Case):
         here = self.written("t_s\n1\nx\n")
         for call in [lambda: bl.detect("/nonexistent.wav"), lambda: bl.detect(["/none.wav", "/nonexistent.wav"]),
                      lambda: bl.restitution("/nonexistent.csv"), lambda: bl.restitution(here),
-                     lambda: self.onsets.to_csv("/nonexistent/x.csv"), lambda: bl.Fit.from_json("/nonexistent.json"),
+                     lambda: self.onsets.to_csv("/dev/null/x.csv"), lambda: bl.Fit.from_json("/nonexistent.json"),
                      lambda: bl.simulate(surface="/nonexistent.csv")]:
             with self.assertRaises(OSError):
                 call()
@@ -142,6 +143,10 @@ class Errors(Case):
                     function(nothing)
         with self.assertRaisesRegex(TypeError, "vary: 'snr' is no keyword"):
             bl.validate(lambda x, rate: [], vary={"snr": [30]})
+        with self.assertRaisesRegex(TypeError, "int given; a detector is a function"):
+            bl.validate(5)
+        with self.assertRaisesRegex(TypeError, "the detector gave NoneType; times"):
+            bl.validate(lambda x, rate: None, drops=1, impacts=3, asperities=100, rate=22050, max_mode=10000)
         with self.assertRaisesRegex(TypeError, "detect\\(samples, rate\\)"):
             bl.detect({})
         with self.assertRaisesRegex(TypeError, "law: NoneType"):
@@ -220,6 +225,32 @@ class Errors(Case):
         with open(self.path("loop/fit.json"), encoding="ascii") as file:
             self.assertEqual(file.read(), "mine")
 
+    def test_impacts_are_no_samples(self):
+        impacts, file = small_impacts(bl, drops=1), self.path("i.csv")
+        impacts.to_csv(file)
+        for given in (impacts, impacts.to_dict()):
+            with self.assertRaisesRegex(TypeError, r"restitution\(impacts\)"):
+                bl.fit(given)
+        with self.assertRaisesRegex(OSError, "make them first: bouncelab restitution"):
+            bl.fit(file)
+
+    def test_times_that_fall(self):
+        with self.assertRaisesRegex(ValueError, r"are these intervals \(numpy.cumsum.* makes times of them\)"):
+            bl.restitution({"t_s": [3.0, 2.0, 1.0]})
+        for text in ("t_s\n3\n2\n1\n", "drop,impact,t_s\n0,0,3\n0,1,2\n0,2,1\n"):
+            with self.assertRaisesRegex((OSError, ValueError), r"Onsets.from_csv\(path, taken_as='intervals'\)"):
+                bl.restitution(self.written(text))
+
+    def test_tables_in_memory_are_not_called_as_files(self):
+        samples = bl.restitution(small_impacts(bl, drops=8))  # the column recording is empty
+        with warnings.catch_warnings(record=True) as told:
+            warnings.simplefilter("always")
+            comparison = bl.compare([samples, samples])
+            bl.compare(samples)
+        self.assertEqual([row["recording"] for row in comparison.recordings], ["1", "2"])
+        self.assertIn("table 1: 1 of 1 recording", "".join(str(one.message) for one in told))
+        self.assertNotIn(".csv", "".join(str(one.message) for one in told))
+
     def test_what_cannot_be_fitted(self):
         with self.assertRaisesRegex(ValueError, "no three successive impacts"):
             bl.restitution(bl.Onsets(t=[0.0, 1.0]))
@@ -257,12 +288,14 @@ class Errors(Case):
             bl.Onsets(tt=[1])
         with self.assertRaises(AttributeError):
             self.onsets.times
+        with self.assertRaisesRegex(KeyError, "'tt': no such column; there are .*t_s"):
+            self.onsets["tt"]
         with self.assertRaisesRegex(AttributeError, "no column sigma_t_s"):
             self.onsets.sigma
         with self.assertRaises(AttributeError):
             bl.nothing
         with self.assertRaisesRegex(OSError, "."):
-            small_sound(bl, small_impacts(bl, drops=1)).write("/nonexistent/s.wav")
+            small_sound(bl, small_impacts(bl, drops=1)).write("/dev/null/s.wav")
 
 
 if __name__ == "__main__":

@@ -40,7 +40,10 @@ class Notebooks(Case):
     def test_the_paper(self):
         said = self.run_notebook("paper_in_ten_minutes.py", "6", "50000")
         self.assertRegex(said, r"570 impacts, .* 5[67]\d found")
-        self.assertIn("A5 = ", said)
+        told = re.findall(r"(A\d) = .*, 95 %: (\S+) to (\S+); (\S+) went in", said)
+        self.assertEqual([name for name, *_ in told], ["A2", "A4", "A5"], said)
+        for name, lo, hi, true in told:  # of a ball in air that was not there they lie above
+            self.assertTrue(float(lo) < float(true) < float(hi), name)
         self.assert_picture("paper.png")
         self.assertTrue(os.path.exists(self.path("paper.html")))
 

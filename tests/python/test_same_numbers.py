@@ -101,6 +101,35 @@ class Stages(Case):
             self.assertEqual(read(self.path("again.csv")), read(out))
             self.assert_same_columns(bl.restitution(csv, **keywords).to_dict(), out)
 
+    def test_the_world_goes_with_the_tables(self):
+        """Ball, plate, gravity and air of a simulation: from its impacts, from its sound, in a file and in memory."""
+        os.chdir(self.folder)  # recordings are called as their files
+        self.addCleanup(os.chdir, "/")
+        for drag in ({}, {"drag": True}):
+            of_ball = dict(drops=6, impacts=30, asperities=100000, ball="glass:16mm", plate="steel", gravity=9.7, **drag)
+            program("simulate", out="i.csv", force=True, **of_ball)
+            program("synthesize", "i.csv", out="s.wav", force=True, **LOUD)
+            program("detect", "s.wav", out="o.csv", force=True)
+            impacts = bl.simulate(**of_ball)
+            sound = bl.synthesize(impacts, name="s.wav", **LOUD)
+            impacts.to_csv("i2.csv", force=True)
+            for file, tables in (("i.csv", (impacts, "i.csv", "i2.csv", impacts[:])),
+                                 ("o.csv", (bl.detect("s.wav"), bl.detect(sound), "o.csv"))):
+                program("restitution", file, out="r.csv", force=True)
+                for table in tables:
+                    self.assert_same_columns(bl.restitution(table).to_dict(), "r.csv")
+                program("fit", "r.csv", "--quiet", out="f.json", force=True, ok=(0, 1), goodness_replicates=0)
+                fit = quiet(bl.fit, bl.restitution(tables[0]), goodness_replicates=0)
+                self.assertEqual(fit._text, read("f.json"))
+            self.assertEqual(bl.restitution(impacts).summary["ball"]["name"], "glass:16mm")
+            sound.write("s2.wav", force=True)
+            self.assertEqual(bl.detect("s2.wav").world, impacts.world)
+            keywords = dict(ball="steel:6mm", air=0.5, gravity=9.81)  # they win
+            program("restitution", "o.csv", out="r.csv", force=True, **keywords)
+            self.assert_same_columns(bl.restitution("o.csv", **keywords).to_dict(), "r.csv")
+            program("analyze", "s.wav", out="a", force=True, quiet=True, ok=(0, 1), goodness_replicates=0)
+            self.assert_same_columns(bl.restitution("a/onsets.csv").to_dict(), "a/samples.csv")
+
     def test_fits_of_samples(self):
         samples, csv, out = bl.restitution(bl.detect(small_sound(bl))), self.path("r.csv"), self.path("fit.json")
         samples.to_csv(csv)

@@ -3,8 +3,9 @@
 
 Where tools/run or tools/test has built (build/release) for a Python of this version, its libraries are taken and the
 module alone is compiled. Else the build folder is build/pip-cp311, and stays: the next installation compiles what
-changed. Further variables of CMake: the environment's CMAKE_ARGS. BOUNCELAB_BUILD names a folder in which the module is
-built already, by tools/package.
+changed. One that was copied or moved with the repository is of the place where it was made, and is not taken. Further
+variables of CMake: the environment's CMAKE_ARGS. BOUNCELAB_BUILD names a folder in which the module is built already, by
+tools/package.
 """
 import os
 import re
@@ -56,6 +57,8 @@ class CMakeBuild(build_ext):
             self.call("cmake", "--preset", "release", *shlex.split(os.environ.get("CMAKE_ARGS", "")))
         else:
             build = ROOT / "build" / "pip-cp{}{}".format(*sys.version_info[:2])
+            if build.exists() and not self.is_of_this_place(build):
+                shutil.rmtree(build)
             self.call("cmake", "--preset", "release", "-B", build, "-DBOUNCELAB_COMPONENTS=python",
                       "-DBOUNCELAB_BINDINGS=OFF", "-DBOUNCELAB_TESTS=OFF", f"-DPython3_EXECUTABLE={sys.executable}",
                       *shlex.split(os.environ.get("CMAKE_ARGS", "")))
@@ -63,12 +66,22 @@ class CMakeBuild(build_ext):
         return build
 
     @staticmethod
-    def is_for_this_python(build: Path) -> bool:
-        """Whether this folder was configured with the module, for the same version of Python."""
+    def cached(build: Path, variable: str) -> str:
+        """What CMake knows in this folder; empty where it does not."""
         cache = build / "CMakeCache.txt"
+        found = cache.exists() and re.search(f"^{variable}:INTERNAL=(.*)$", cache.read_text(), re.MULTILINE)
+        return found[1] if found else ""
+
+    def is_of_this_place(self, build: Path) -> bool:
+        """Whether it was configured here, for these sources: CMake refuses others."""
+        sources = self.cached(build, "CMAKE_HOME_DIRECTORY")
+        return os.path.exists(sources) and os.path.samefile(sources, ROOT)
+
+    def is_for_this_python(self, build: Path) -> bool:
+        """Whether this folder was configured here with the module, for the same version of Python."""
         version = "Python;{};{};".format(*sys.version_info[:2])
-        return cache.exists() and re.search("^_Python3_INTERPRETER_PROPERTIES:INTERNAL=" + version, cache.read_text(),
-                                            re.MULTILINE) is not None
+        return (self.cached(build, "_Python3_INTERPRETER_PROPERTIES").startswith(version)
+                and self.is_of_this_place(build))
 
     @staticmethod
     def call(*command) -> None:

@@ -182,6 +182,7 @@ Outcome run_analyze(const AnalyzeOptions& options, const Run& asked) {
   for (const char* name : kOutputs) outputs.push_back(folder / name);
   const std::vector<fs::path> given = recordings_of(options.detect);
   Run run = asked;
+  keep_world(world_of(given), run.parameters);  // its onsets are of this world whatever reads them
   run.common.force = run.common.force || is_own_report(outputs, given);
   check_files(run, with_onsets_beside(given), outputs);
   std::vector<Note> notes;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -18,19 +19,28 @@
 
 namespace bouncelab::stages {
 
-// What is known of the ball in the files that a stage reads, by their provenance (ball_of_files.cpp).
+// What is known of the ball in what a stage reads, by the provenance of files or a table in memory (ball_of_files.cpp).
 
-/// `choice`, where a part is not named that of the command which wrote the files (their provenance), if it had one.
-/// @throws FileError where the provenance cannot be read; InvalidArgument where the files were made with several
-BallChoice with_provenance(BallChoice choice, const std::vector<std::filesystem::path>& files);
+/// How impacts came about, as the options of the stage that made them say it: ball, plate, and of a simulation
+/// asperities, drag, gravity.
+using World = std::map<std::string, std::string>;
 
-/// Puts the ball, the plate and how impacts were simulated, where it is the same of all files, among the parameters of
-/// what is made of them: only the provenance beside a file is read, not those of its inputs.
-/// @param files  at least one
-void keep_conditions_of(const std::vector<std::filesystem::path>& files, Parameters& parameters);
+/// What a stage's parameters say of it.
+World world_of(const Parameters& parameters);
+/// What is the same of all files: only the provenance beside a file is read, not those of its inputs.
+/// @param files  at least one. @throws FileError where a provenance cannot be read
+World world_of(const std::vector<std::filesystem::path>& files);
+/// Puts it among the parameters of what is made in this world.
+void keep_world(const World& world, Parameters& parameters);
 
-/// What is known of how the files' impacts came about, where no option says otherwise: ball and plate; of a simulation
-/// gravity and whether there was air (contacts take no time in it). @throws as with_provenance
+// The options in this world, where they do not say otherwise.
+// @param of  what came about in it, for errors. @throws FileError where the world cannot be
+BallChoice in_world(const World& world, BallChoice choice, const std::string& of);
+/// Ball and plate; the paper's where none is known.
+SynthesizeOptions in_world(const World& world, SynthesizeOptions options, const std::string& of);
+/// Ball and plate; of a simulation gravity and whether there was air (contacts take no time in it).
+RestitutionOptions in_world(const World& world, RestitutionOptions options, const Given& given, const std::string& of);
+/// In the world of files. @throws as in_world; InvalidArgument where the files were made in several
 RestitutionOptions with_conditions_of(const std::vector<std::filesystem::path>& files, RestitutionOptions options,
                                       const Given& given);
 /// What was understood, as a line.

@@ -329,6 +329,10 @@ TakenTable samples_from_foreign(const ForeignTable& foreign) {
   if (are_speeds) v = in, eps = out;
   if (!eps) eps = own_column(foreign, "eps");
   if (!v) v = own_column(foreign, "v_mps");
+  const auto is_own = [&](const char* title) { return own_column(foreign, title).has_value(); };
+  if ((!eps || !v) && !foreign.options.tells() && is_own("t_s") && is_own("v_mps") && is_own("v_after_mps"))
+    foreign.refuse("holds impacts, no coefficients of restitution; make them first: bouncelab restitution " +
+                   shell_word(foreign.name));
   if (!eps || !v)
     ask(foreign,
         "which columns are the speed and the coefficient of restitution, or the speeds before and after a bounce "

@@ -81,6 +81,14 @@ std::vector<double> list_with_commas(const Member& member, const std::string& te
   return values;
 }
 
+/// Of a list of any length, which may also be given one by one.
+template <class T>
+std::vector<T> numbers(const Member& member, const std::string& text) {
+  std::vector<T> values;
+  for (const std::string& part : between_commas(text)) values.push_back(number<T>(member, part));
+  return values;
+}
+
 std::string checked(const Member& member, const std::string& text) {
   if (member.check) member.check(text);
   const std::vector<std::string> choices = choices_of(member);
@@ -125,9 +133,9 @@ Value value_from_text(const Member& member, const std::string& text) {
     case Kind::texts:
       return std::vector<std::string>{checked(member, text)};
     case Kind::integers:
-      return std::vector<std::int64_t>{number<std::int64_t>(member, text)};
+      return numbers<std::int64_t>(member, text);
     case Kind::reals:
-      return member.n_most > 0 ? list_with_commas(member, text) : std::vector<double>{number<double>(member, text)};
+      return member.n_most > 0 ? list_with_commas(member, text) : numbers<double>(member, text);
     case Kind::values:  // of results, which nobody types
     case Kind::object:
       break;
@@ -143,8 +151,11 @@ Value value_from_texts(const Member& member, const std::vector<std::string>& tex
     std::visit(
         [&](auto& list) {
           using T = std::remove_cvref_t<decltype(list)>;
-          if constexpr (describe_detail::IsVector<T>::value && !std::is_same_v<T, Values> && !std::is_same_v<T, Object>)
-            list.push_back(std::get<T>(value_from_text(member, texts[k])).front());
+          if constexpr (describe_detail::IsVector<T>::value && !std::is_same_v<T, Values> &&
+                        !std::is_same_v<T, Object>) {
+            const T more = std::get<T>(value_from_text(member, texts[k]));
+            list.insert(list.end(), more.begin(), more.end());
+          }
         },
         all);
   return all;

@@ -122,13 +122,11 @@ Command synthesize_command() {
          description_of(columns_of(static_cast<const synthesis::TrueImpact*>(nullptr)))}}},
       files,
       [](O& options, Run& run) {
-        keep_conditions_of({options.impacts}, run.parameters);
+        keep_world(world_of({std::filesystem::path(options.impacts)}), run.parameters);
         return run_synthesize(options, run);
       },
       +[](O& options, const Given&) {
-        BallChoice& world = options.world = with_provenance(options.world, {options.impacts});
-        if (world.ball.empty()) world.ball = kPaperBall.ball;
-        if (world.plate.empty()) world.plate = kPaperBall.plate;
+        options = in_world(world_of({std::filesystem::path(options.impacts)}), options, options.impacts);
       },
       +[](O& options) {
         options.world = {};  // that of the impacts
@@ -149,7 +147,7 @@ Command detect_command() {
       {"detect", kStages, "Impact times of bouncing balls in recordings, with standard errors; nothing has to be set",
        "Example: bouncelab detect drop.wav --out onsets.csv --labels drop.txt"},
       files, [](DetectOptions& options, Run& run) {
-        keep_conditions_of(recordings_of(options), run.parameters);
+        keep_world(world_of(recordings_of(options)), run.parameters);
         return run_detect(options, run);
       });
 }
@@ -295,7 +293,7 @@ Command convert_command() {
        "         bouncelab convert marks.txt --recording drop.wav --to corrected.csv"},
       files,
       [](O& options, Run& run) {
-        keep_conditions_of({options.input}, run.parameters);
+        keep_world(world_of({std::filesystem::path(options.input)}), run.parameters);
         return run_convert(options, run);
       },
       nullptr, +[](O& options) { return foreign_section(options.foreign); });

@@ -65,7 +65,8 @@ class Table(Mapping[str, Any]):
     _kind = ""
     _short: Dict[str, str] = {}
 
-    def __init__(self, columns: Optional[Mapping[str, Any]] = None, *, summary: Optional[dict] = None, **arrays: Any):
+    def __init__(self, columns: Optional[Mapping[str, Any]] = None, *, summary: Optional[dict] = None,
+                 world: Optional[Mapping[str, str]] = None, **arrays: Any):
         import numpy as np
 
         self._columns: Dict[str, Any] = {self._short.get(name, name): values for name, values in (columns or {}).items()}
@@ -75,6 +76,9 @@ class Table(Mapping[str, Any]):
             self._columns[self._short.get(name, name)] = np.asarray(values)
         #: What the command prints with --json.
         self.summary: dict = summary or {}
+        #: What is known of how the impacts came about, by the options of `simulate`: ball, plate, asperities, drag, gravity.
+        #: Files have it in their .meta.json.
+        self.world: Dict[str, str] = dict(world or {})
 
     @classmethod
     def of(cls, values: Any) -> Any:
@@ -83,12 +87,14 @@ class Table(Mapping[str, Any]):
             return values
         if isinstance(values, (str, os.PathLike)):
             return cls.from_csv(values)
-        if hasattr(values, "columns") and hasattr(values, "to_numpy"):  # pandas
-            return cls({name: values[name].to_numpy() for name in values.columns})
         if cls is Samples and isinstance(values, Onsets):
             raise TypeError("Onsets given; Samples are needed: restitution(onsets)")
+        if cls is Samples and hasattr(values, "keys") and {"v_after_mps", "eps"}.intersection(values) == {"v_after_mps"}:
+            raise TypeError("Impacts given; Samples are needed: restitution(impacts)")
+        if hasattr(values, "columns") and hasattr(values, "to_numpy"):  # pandas
+            return cls({name: values[name].to_numpy() for name in values.columns})
         if isinstance(values, Mapping):
-            return cls(values)
+            return cls(values, world=getattr(values, "world", None))
         if cls is Samples and isinstance(values, Analysis):
             return values.samples
         raise TypeError(f"{type(values).__name__} given; {cls.__name__}, columns by name or the name of a file are needed")
@@ -115,11 +121,11 @@ class Table(Mapping[str, Any]):
         tier : str
             Tier of a TextGrid, layer of an .svl, by name or number.
         """
-        found, taken_for = _core.read_columns(os.fspath(path), cls._kind, taken_as, unit, columns, tier)
-        return cls(found, summary={"taken_for": taken_for} if taken_for else None)
+        found, taken_for, world = _core.read_columns(os.fspath(path), cls._kind, taken_as, unit, columns, tier)
+        return cls(found, summary={"taken_for": taken_for} if taken_for else None, world=world)
 
     def to_csv(self, path: Path, force: bool = False) -> None:
-        """Writes the table as the command line does, whole or not at all.
+        """Writes the table as the command line does, whole or not at all, and its world beside it (.meta.json).
 
         Parameters
         ----------
@@ -128,7 +134,7 @@ class Table(Mapping[str, Any]):
         force : bool, default False
             Replace a file that exists.
         """
-        _core.write_columns(os.fspath(path), self._columns, self._kind, force)
+        _core.write_columns(os.fspath(path), self._columns, self._kind, self.world, force)
 
     def to_dict(self) -> Dict[str, Any]:
         """The arrays by the names of their columns; not copied."""
@@ -143,7 +149,10 @@ class Table(Mapping[str, Any]):
     def __getitem__(self, name: Any) -> Any:
         """A column by its name; by a slice, numbers or a mask of rows a table of these."""
         if isinstance(name, str):
-            return self._columns[self._short.get(name, name)]
+            column = self._short.get(name, name)
+            if column not in self._columns:
+                raise KeyError(f"{name!r}: no such column; there are {', '.join(self._columns) or 'none'}")
+            return self._columns[column]
         if not isinstance(name, slice) and not hasattr(name, "__len__"):
             raise KeyError(f"{name!r}: the name of a column, a slice or a mask of rows")
         import numpy as np
@@ -198,14 +207,6 @@ class Impacts(Table):
     _short = {"drop": "drop", "impact": "impact", "t": "t_s", "v": "v_mps", "v_after": "v_after_mps",
               "eps": "eps_macro", "v_contact": "v_contact_mps", "eps_contact": "eps_contact", "asperity": "asperity"}
 
-    def __init__(self, columns: Optional[Mapping[str, Any]] = None, *, summary: Optional[dict] = None,
-                 world: Optional[Dict[str, str]] = None, in_air: Optional[bool] = None, **arrays: Any):
-        super().__init__(columns, summary=summary, **arrays)
-        #: Ball and plate as they were named.
-        self.world: Dict[str, str] = world or {}
-        #: Whether they were simulated with the air's drag; None: not known.
-        self.in_air: Optional[bool] = in_air
-
 
 class Onsets(Table):
     """Impacts as found in sound: t [s] from the first sample, its standard error sigma [s], drop and impact, amplitude
@@ -216,8 +217,8 @@ class Onsets(Table):
               "amplitude": "amplitude", "snr": "snr_db", "flags": "flags", "probability": "probability"}
 
     def __init__(self, columns: Optional[Mapping[str, Any]] = None, *, summary: Optional[dict] = None,
-                 source: Optional[dict] = None, **arrays: Any):
-        super().__init__(columns, summary=summary, **arrays)
+                 world: Optional[Mapping[str, str]] = None, source: Optional[dict] = None, **arrays: Any):
+        super().__init__(columns, summary=summary, world=world, **arrays)
         self._source = source or {}
 
     @property
@@ -245,8 +246,8 @@ class Samples(Table):
               "sigma": "sigma_eps", "sigma_v": "sigma_v_mps", "flags": "flags"}
 
     def __init__(self, columns: Optional[Mapping[str, Any]] = None, *, summary: Optional[dict] = None,
-                 onsets: Optional[Onsets] = None, **arrays: Any):
-        super().__init__(columns, summary=summary, **arrays)
+                 world: Optional[Mapping[str, str]] = None, onsets: Optional[Onsets] = None, **arrays: Any):
+        super().__init__(columns, summary=summary, world=world, **arrays)
         #: The onsets that they were computed from, where there were any.
         self.onsets: Optional[Onsets] = onsets
 
@@ -276,7 +277,8 @@ class Recording:
         return len(self.samples) / self.rate
 
     def write(self, path: Path, force: bool = False) -> None:
-        """Writes the sound: .wav, .flac, .w64 or .rf64, with the bits that it was made with.
+        """Writes the sound: .wav, .flac, .w64 or .rf64, with the bits that it was made with; what is known of its ball
+        beside it (.meta.json).
 
         Parameters
         ----------
@@ -285,7 +287,7 @@ class Recording:
         force : bool, default False
             Replace a file that exists.
         """
-        _core.write_sound(os.fspath(path), self.samples, self.rate, self._bits, force)
+        _core.write_sound(os.fspath(path), self.samples, self.rate, self._bits, self.truth.world, force)
 
     def __repr__(self) -> str:
         return f"<Recording {self.name}: {self.duration:.1f} s at {self.rate} Hz, {_counted(len(self.truth), 'impact')}>"

@@ -68,18 +68,15 @@ def simulate(keywords: Dict[str, Any], progress: Any) -> Impacts:
     with shown(progress) as callback:
         found = _core.simulate(_arguments(keywords), callback)
     _warn(found["warnings"])
-    world = {name: keywords[name] for name in ("ball", "plate") if keywords.get(name) is not None}
-    return Impacts(found["columns"], summary=json.loads(found["summary"]), world=world, in_air=bool(keywords.get("drag")))
+    return Impacts(found["columns"], summary=json.loads(found["summary"]), world=found["world"])
 
 
 def synthesize(impacts: Any, name: str, keywords: Dict[str, Any], progress: Any) -> Recording:
     impacts = Impacts.of(impacts)
-    given = dict(impacts.world, **{k: v for k, v in keywords.items() if v is not None})
     with shown(progress) as callback:
-        found = _core.synthesize(impacts.to_dict(), name, _arguments(given), callback)
-    truth = Onsets(found["truth"], source={"in_air": impacts.in_air})
-    return Recording(found["samples"], found["rate"], name=name, truth=truth, others=found["others"],
-                     bits=given.get("bits", "24"))
+        found = _core.synthesize(impacts.to_dict(), impacts.world, name, _arguments(keywords), callback)
+    return Recording(found["samples"], found["rate"], name=name, truth=Onsets(found["truth"], world=found["world"]),
+                     others=found["others"], bits=keywords.get("bits") or "24")
 
 
 def _is_name(recording: Any) -> bool:
@@ -93,6 +90,7 @@ def _listed(given: Any) -> Any:
 
 def detect(recording: Any, rate: Any, name: str, keywords: Dict[str, Any], progress: Any) -> Onsets:
     source: Dict[str, Any] = {}
+    world: Dict[str, str] = {}  # of an array nothing is known
     recording = _listed(recording)
     with shown(progress) as callback:
         if _is_name(recording) or isinstance(recording, (list, tuple)) and recording and all(map(_is_name, recording)):
@@ -100,9 +98,10 @@ def detect(recording: Any, rate: Any, name: str, keywords: Dict[str, Any], progr
             if rate is not None:
                 keywords = dict(keywords, rate=rate)
             found = _core.detect_files(files, _arguments(keywords), callback)
+            world = found["world"]
         else:
             if isinstance(recording, Recording):
-                source["in_air"] = recording.truth._source["in_air"]
+                world = recording.truth.world
                 rate = recording.rate if rate is None else rate
                 name = recording.name
                 recording = recording.samples
@@ -118,7 +117,7 @@ def detect(recording: Any, rate: Any, name: str, keywords: Dict[str, Any], progr
             source.update(samples=np.asarray(recording), rate=float(rate))
             found = _core.detect_samples(source["samples"], source["rate"], name, _arguments(keywords), callback)
     _warn(found["warnings"])
-    return Onsets(found["columns"], summary=json.loads(found["summary"]), source=source)
+    return Onsets(found["columns"], summary=json.loads(found["summary"]), world=world, source=source)
 
 
 def _is_series(given: Any) -> bool:
@@ -140,7 +139,7 @@ def _onsets(given: Any) -> Onsets:
             raise ValueError("times are numbers of seconds: (t - t[0]) / numpy.timedelta64(1, 's')")
         drops = [times.astype(float) for times in drops]
         if any(np.any(np.diff(times) <= 0) for times in drops):
-            raise ValueError("times must increase within a drop; of intervals the times are numpy.cumsum(intervals)")
+            raise ValueError("times must increase within a drop; of intervals the times are numpy.cumsum([0, *intervals])")
         return Onsets(t=np.concatenate(drops), drop=np.repeat(np.arange(len(drops)), [len(t_s) for t_s in drops]),
                       impact=np.concatenate([np.arange(len(t_s)) for t_s in drops]))
     return Onsets.of(given)
@@ -158,10 +157,8 @@ def restitution(onsets: Any, heights: Any, unit: str, keywords: Dict[str, Any]) 
     if heights is None and unit != "m":
         raise ValueError("unit is of heights; times are in seconds")
     onsets = _onsets(onsets) if heights is None else _onsets_of_heights(heights, unit)
-    if keywords.get("ball") is not None and keywords.get("air") is None and onsets._source.get("in_air") is False:
-        keywords = dict(keywords, air=0)  # simulated without, which the ball's name would correct
-    found = _core.restitution(onsets.to_dict(), _arguments(keywords))
-    return Samples(found["columns"], summary=json.loads(found["summary"]), onsets=onsets)
+    found = _core.restitution(onsets.to_dict(), onsets.world, _arguments(keywords))
+    return Samples(found["columns"], summary=json.loads(found["summary"]), world=found["world"], onsets=onsets)
 
 
 @contextlib.contextmanager
@@ -282,14 +279,18 @@ def compare(samples: Any, out: Any, keywords: Dict[str, Any], progress: Any) -> 
                 files.append(os.fspath(table))
                 continue
             table = Samples.of(table)
-            names = table.get("recording", [str(k)] * len(table))
+            names = [name or str(k) for name in table.get("recording", [""] * len(table))]
             names = [f"{name} ({k})" if name in seen else name for name in names]  # of an earlier table: another one
             seen.update(names)
             files.append(os.path.join(tables, f"{k}.csv"))
             Samples({**table, "recording": names}).to_csv(files[-1])
         with shown(progress) as callback:
             found = _core.compare(files, folder, _arguments(dict(keywords, groups=plates or None)), callback)
-    _warn(found["warnings"] + [found["error"]])
+    told = found["warnings"] + [found["error"]]
+    for k, file in enumerate(files, 1):
+        if os.path.dirname(file) == tables:  # which the caller has never seen
+            told = [line.replace(file, f"table {k}") for line in told]
+    _warn(told)
     return Comparison(folder, json.loads(found["summary"]), temporary)
 
 
@@ -311,6 +312,9 @@ def validate(detector: Any, vary: Any, keywords: Dict[str, Any], progress: Any) 
 
     import numpy as np
 
+    if not callable(detector):
+        raise TypeError(f"{type(detector).__name__} given; a detector is a function of samples and their rate [Hz], which gives "
+                        "the times of onsets [s]")
     names = {function: {option["name"].replace("-", "_") for option in json.loads(_core.options(function))}
              for function in ("simulate", "synthesize")}
     first, *others = _settings(vary or {})
@@ -328,7 +332,10 @@ def validate(detector: Any, vary: Any, keywords: Dict[str, Any], progress: Any) 
             begin = time.process_time()
             found = detector(sound.samples, sound.rate)
             seconds = time.process_time() - begin
-            t, sigma = found if isinstance(found, tuple) else (found, None)
+            t, sigma = found if isinstance(found, tuple) and len(found) == 2 else (found, None)
+            if np.ndim(t) != 1:
+                raise TypeError(f"the detector gave {type(t).__name__}; times of onsets [s] are needed, a list or an array, "
+                                "empty where there are none, or a tuple of times and their standard errors")
             order = np.argsort(np.asarray(t, float))
             marks = {"t_s": np.asarray(t, float)[order]}
             if sigma is not None:

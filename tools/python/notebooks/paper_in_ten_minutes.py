@@ -42,9 +42,9 @@ print(f"{len(impacts)} impacts, {sound.duration / 60:.1f} minutes of sound, {len
 samples = bl.restitution(onsets)
 fit = bl.fit(samples, progress=True)
 print(fit.answer)
-for name, true in (("A2", 0.0467), ("A4", 0.1339), ("A5", -0.2876)):
-    found = fit.parameters[name]
-    print(f"{name} = {found.value:.4f}, 95 %: {found.lo95:.4f} to {found.hi95:.4f}; {true} went in")
+went_in = {"A2": 0.0467, "A4": 0.1339, "A5": -0.2876}
+for name, found in fit.parameters.items():
+    print(f"{name} = {found.value:.4f}, 95 %: {found.lo95:.4f} to {found.hi95:.4f}; {went_in[name]} went in")
 
 # %% [markdown]
 # ## Its figures

@@ -131,7 +131,11 @@ std::string with_keywords(const std::string& text) {
 }
 
 template <class Options>
-Parsed<Options> parse(const Arguments& arguments, Options files) {
+using Prepare = std::function<void(Options&, const stages::Given&)>;
+
+template <class Options>
+Parsed<Options> parse(const Arguments& arguments, Options files,
+                      const std::type_identity_t<Prepare<Options>>& prepare) {
   Parsed<Options> parsed{std::move(files), {}};
   Sections sections = sections_of(parsed.options);
   sections.push_back(stages::common_section(parsed.run.common));
@@ -140,19 +144,27 @@ Parsed<Options> parse(const Arguments& arguments, Options files) {
   parsed.run.command_line = {"bouncelab (Python)"};
   if constexpr (requires { stages::prepare(parsed.options, parsed.run.given); })
     stages::prepare(parsed.options, parsed.run.given);
+  if (prepare) prepare(parsed.options, parsed.run.given);
   parsed.run.parameters = stages::parameters_of(sections, parsed.run.given);
   return parsed;
 }
-template Parsed<stages::AnalyzeOptions> parse(const Arguments&, stages::AnalyzeOptions);
-template Parsed<stages::CompareOptions> parse(const Arguments&, stages::CompareOptions);
-template Parsed<stages::DemOptions> parse(const Arguments&, stages::DemOptions);
-template Parsed<stages::SimulateOptions> parse(const Arguments&, stages::SimulateOptions);
-template Parsed<stages::SynthesizeOptions> parse(const Arguments&, stages::SynthesizeOptions);
-template Parsed<stages::DetectOptions> parse(const Arguments&, stages::DetectOptions);
-template Parsed<stages::RestitutionOptions> parse(const Arguments&, stages::RestitutionOptions);
-template Parsed<stages::FitOptions> parse(const Arguments&, stages::FitOptions);
-template Parsed<stages::RoughnessOptions> parse(const Arguments&, stages::RoughnessOptions);
-template Parsed<stages::LoopOptions> parse(const Arguments&, stages::LoopOptions);
+template Parsed<stages::AnalyzeOptions> parse(const Arguments&, stages::AnalyzeOptions,
+                                              const Prepare<stages::AnalyzeOptions>&);
+template Parsed<stages::CompareOptions> parse(const Arguments&, stages::CompareOptions,
+                                              const Prepare<stages::CompareOptions>&);
+template Parsed<stages::DemOptions> parse(const Arguments&, stages::DemOptions, const Prepare<stages::DemOptions>&);
+template Parsed<stages::SimulateOptions> parse(const Arguments&, stages::SimulateOptions,
+                                               const Prepare<stages::SimulateOptions>&);
+template Parsed<stages::SynthesizeOptions> parse(const Arguments&, stages::SynthesizeOptions,
+                                                 const Prepare<stages::SynthesizeOptions>&);
+template Parsed<stages::DetectOptions> parse(const Arguments&, stages::DetectOptions,
+                                             const Prepare<stages::DetectOptions>&);
+template Parsed<stages::RestitutionOptions> parse(const Arguments&, stages::RestitutionOptions,
+                                                  const Prepare<stages::RestitutionOptions>&);
+template Parsed<stages::FitOptions> parse(const Arguments&, stages::FitOptions, const Prepare<stages::FitOptions>&);
+template Parsed<stages::RoughnessOptions> parse(const Arguments&, stages::RoughnessOptions,
+                                                const Prepare<stages::RoughnessOptions>&);
+template Parsed<stages::LoopOptions> parse(const Arguments&, stages::LoopOptions, const Prepare<stages::LoopOptions>&);
 
 std::string options_json(const std::string& function) {
   static const std::map<std::string, Json (*)()> functions{{"simulate", options_of<stages::SimulateOptions>},

@@ -6,6 +6,7 @@
 
 #include <functional>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "bouncelab/core/error.hpp"
@@ -27,9 +28,11 @@ struct Parsed {
 };
 
 /// What a function takes. @param files  names those that the stage reads and writes
+/// @param prepare  sets what no argument says; as stages::prepare where there is one
 /// @throws InvalidArgument as the command line says it
 template <class Options>
-Parsed<Options> parse(const Arguments& arguments, Options files = {});
+Parsed<Options> parse(const Arguments& arguments, Options files = {},
+                      const std::type_identity_t<std::function<void(Options&, const stages::Given&)>>& prepare = {});
 
 /// The options of a function, in the order of --help: a JSON array of {name, help, type, default, flag, least and most
 /// number of values, choices}. @throws InvalidArgument where there is no such function

@@ -19,6 +19,7 @@
 #include "bouncelab/report/notes.hpp"
 #include "bouncelab/synthesis/synthesize.hpp"
 #include "stages/files/foreign_files.hpp"
+#include "stages/files/provenance.hpp"
 #include "stages/files/sample_files.hpp"
 #include "stages/files/table_file.hpp"
 #include "stages/run.hpp"
@@ -33,11 +34,25 @@ Impacts impacts_of(const py::dict& columns) {
   return read_in_memory([&] { return impacts_from_table(table, "impacts"); });
 }
 
+/// What `read` reads; where times do not increase, what is said has the remedy of Python for intervals.
+template <class Read>
+auto read_times(const std::string& remedy, const Read& read) {
+  try {
+    return read();
+  } catch (const FileError& error) {
+    const std::string of_command = "--as intervals";
+    const std::size_t at = error.reason().find(of_command);
+    if (at == std::string::npos) throw;
+    throw FileError(error.path(), std::string(error.reason()).replace(at, of_command.size(), remedy));
+  }
+}
+
 Onsets onsets_of(const py::dict& columns) {
   const Table table = table_of(columns, onset_columns(), "onsets");
   return read_in_memory([&] {
     DropsInTurn().check(table, "onsets");
-    return onsets_from_table(table, "onsets");
+    return read_times("numpy.cumsum([0, *intervals]) makes times of them",
+                      [&] { return onsets_from_table(table, "onsets"); });
   });
 }
 
@@ -54,7 +69,19 @@ py::dict detected(const stages::Recordings& recordings, std::vector<Note> notes)
   return result;
 }
 
-/// @return {columns, summary, warnings}
+py::dict dict_of(const stages::World& world) {
+  py::dict result;
+  for (const auto& [option, value] : world) result[option.c_str()] = value;
+  return result;
+}
+
+stages::World world_of(const py::dict& said) {
+  stages::World world;
+  for (const auto& [option, value] : said) world[py::str(option)] = py::str(value);
+  return world;
+}
+
+/// @return {columns, world, summary, warnings}
 py::dict simulate(const Arguments& arguments, const py::object& progress) {
   auto [options, run] = parse<stages::SimulateOptions>(arguments);
   const sim::SimulationConfig config = stages::simulation_config(options, run.common.seed, run.common.n_threads);
@@ -69,17 +96,24 @@ py::dict simulate(const Arguments& arguments, const py::object& progress) {
     throw InvalidArgument("no drop had an impact; see plate_size, min_speed and max_time");
   py::dict result;
   result["columns"] = columns_of(std::move(table));
+  result["world"] = dict_of(stages::world_of(run.parameters));
   result["summary"] = json_text(stages::summary_of(simulated, config.ball), 2);
   result["warnings"] = report::texts_of(simulated.notes, Severity::warning);
   return result;
 }
 
-/// @return {samples (frames x channels, float32), rate, truth, others, duration_s, warnings}
-py::dict synthesize(const py::dict& columns, const std::string& recording, const Arguments& arguments,
-                    const py::object& progress) {
-  auto [options, run] = parse<stages::SynthesizeOptions>(arguments);
-  if (options.world.ball.empty()) options.world.ball = stages::kPaperBall.ball;
-  if (options.world.plate.empty()) options.world.plate = stages::kPaperBall.plate;
+/// @param of_impacts  their world. @return {samples (frames x channels, float32), rate, truth, world, others}
+py::dict synthesize(const py::dict& columns, const py::dict& of_impacts, const std::string& recording,
+                    const Arguments& arguments, const py::object& progress) {
+  const stages::World world = world_of(of_impacts);
+  stages::SynthesizeOptions unnamed;
+  unnamed.world = {};
+  auto [options, run] = read_in_memory([&] {
+    return parse(arguments, unnamed, [&](stages::SynthesizeOptions& o, const stages::Given&) {
+      o = stages::in_world(world, std::move(o), "impacts");
+    });
+  });
+  stages::keep_world(world, run.parameters);
   const synthesis::SynthesisConfig config = stages::synthesis_config(options, run.common.seed, run.common.n_threads);
   const Impacts impacts = impacts_of(columns);
   std::vector<float> samples;
@@ -103,6 +137,7 @@ py::dict synthesize(const py::dict& columns, const std::string& recording, const
       n_channels == 1 ? array_of(std::move(samples)) : array_of(std::move(samples), {n_frames, n_channels});
   result["rate"] = config.rate_hz;
   result["truth"] = columns_of(std::move(truth));
+  result["world"] = dict_of(stages::world_of(run.parameters));
   result["others"] = columns_of(std::move(others));
   return result;
 }
@@ -113,13 +148,15 @@ int error_of_file(const std::string& name) {
   return ::access(name.c_str(), R_OK) == 0 ? 0 : errno;
 }
 
-/// @return {columns, summary, warnings}
+/// @return {columns, world, summary, warnings}
 py::dict detect_files(const std::vector<std::string>& names, const Arguments& arguments, const py::object& progress) {
   auto [options, run] = parse<stages::DetectOptions>(arguments);
   if (names.empty()) throw InvalidArgument("no recording is given");
   std::vector<Note> notes;
   stages::Recordings found;
+  stages::World world;
   python::run(run, progress, [&, &options = options, &run = run] {
+    world = stages::world_of(std::vector<fs::path>(names.begin(), names.end()));
     const std::vector<fs::path> once =
         stages::each_once({names.begin(), names.end()}, run.common.n_threads, "recording", notes);
     found = loop::detect_all(once, options.config, run.common.n_threads, true,
@@ -130,10 +167,12 @@ py::dict detect_files(const std::vector<std::string>& names, const Arguments& ar
                     "none of the " + std::to_string(found.size()) +
                         " recordings can be read: " + found.front().found.notes.front().subject,
                     error_of_file(found.front().recording));
-  return detected(found, std::move(notes));
+  py::dict result = detected(found, std::move(notes));
+  result["world"] = dict_of(world);
+  return result;
 }
 
-/// @return the same
+/// @return the same, without the world
 py::dict detect_samples(const py::array& array, double rate_hz, const std::string& recording,
                         const Arguments& arguments, const py::object& progress) {
   auto [options, run] = parse<stages::DetectOptions>(arguments);
@@ -149,14 +188,21 @@ py::dict detect_samples(const py::array& array, double rate_hz, const std::strin
   return detected({{recording, n_onsets, std::move(found)}}, {});
 }
 
-/// @return {columns, summary}
-py::dict restitution(const py::dict& columns, const Arguments& arguments) {
-  auto [options, run] = parse<stages::RestitutionOptions>(arguments);
+/// @param of_onsets  their world. @return {columns, world, summary}
+py::dict restitution(const py::dict& columns, const py::dict& of_onsets, const Arguments& arguments) {
+  const stages::World world = world_of(of_onsets);
+  auto [options, run] = read_in_memory([&] {
+    return parse(arguments, stages::RestitutionOptions{},
+                 [&](stages::RestitutionOptions& o, const stages::Given& given) {
+                   o = stages::in_world(world, std::move(o), given, "onsets");
+                 });
+  });
   const fit::RestitutionConfig config = stages::with_ball(options);
   fit::Restitution found = fit::restitution_samples(onsets_of(columns), config);
   if (found.samples.empty()) throw InvalidArgument("no three successive impacts: no coefficient of restitution");
   py::dict result;
   result["columns"] = columns_of(to_table(found.samples));
+  result["world"] = dict_of(stages::world_of(run.parameters));
   result["summary"] = json_text(stages::summary_of(found.counts, config), 2);
   return result;
 }
@@ -190,8 +236,16 @@ std::string wave_of_samples(const py::array& array, double rate_hz, const std::s
   return json_text(value_of(detection::wave_preview(source, recording, channel, onsets_of(onsets))));
 }
 
-/// Writes sound with the encoding that `bits` names: 16, 24, 32 or float.
-void write_sound(const std::string& path, const py::array& array, int rate_hz, const std::string& bits, bool force) {
+/// Of outputs that no command writes. @param world  of what is written
+stages::Run writing_of(const py::dict& world, bool force) {
+  stages::Run run = writing(force);
+  stages::keep_world(world_of(world), run.parameters);
+  return run;
+}
+
+/// Writes sound with the encoding that `bits` names: 16, 24, 32 or float; its provenance beside it.
+void write_sound(const std::string& path, const py::array& array, int rate_hz, const std::string& bits,
+                 const py::dict& world, bool force) {
   stages::SynthesizeOptions how;
   stages::set_option({stages::section_of(how)}, "bits", {bits});
   const SoundArray sound(array);
@@ -200,22 +254,25 @@ void write_sound(const std::string& path, const py::array& array, int rate_hz, c
                             static_cast<std::int64_t>(samples.size()) / sound.n_channels(), force);
   writer.write(samples);
   writer.commit();
+  stages::write_provenance(path, stages::provenance(writing_of(world, force), {}, stages::sha256_of_file(path)));
 }
 
 /// Writes a table as the command line does. @param kind  impacts, onsets or samples
-void write_columns(const std::string& path, const py::dict& columns, const std::string& kind, bool force) {
+void write_columns(const std::string& path, const py::dict& columns, const std::string& kind, const py::dict& world,
+                   bool force) {
   const Table table = kind == "impacts"  ? to_table(impacts_of(columns))
                       : kind == "onsets" ? to_table(onsets_of(columns))
                                          : to_table(samples_of(columns));
-  stages::write_table(writing(force), path, table);
+  stages::write_table(writing_of(world, force), path, table);
 }
 
-/// Reads one.
+/// Reads one. @return columns, what it was taken for, its world
 py::tuple read_columns(const std::string& path, const std::string& kind, const std::string& as, const std::string& unit,
                        const std::string& columns, const std::string& tier) {
+  const py::dict world = dict_of(stages::world_of(std::vector<fs::path>{path}));
   if (kind == "impacts")
     return py::make_tuple(columns_of(to_table(impacts_from_table(stages::read_table(path, impact_columns()), path))),
-                          py::list());
+                          py::list(), world);
   options::ForeignFileOptions how;
   for (const auto& [name, text] : {std::pair{"as", as}, {"unit", unit}, {"columns", columns}, {"tier", tier}})
     for (const Member& member : members_of(&how))
@@ -224,11 +281,12 @@ py::tuple read_columns(const std::string& path, const std::string& kind, const s
   try {
     Table table =
         kind == "onsets"
-            ? to_table(stages::read_onsets(path, how, taken_for))
+            ? to_table(read_times("Onsets.from_csv(path, taken_as='intervals')",
+                                  [&] { return stages::read_onsets(path, how, taken_for); }))
             : to_table(samples_from_table(
                   stages::open_samples(path, how.table, taken_for).next(std::numeric_limits<std::size_t>::max()),
                   path));
-    return py::make_tuple(columns_of(std::move(table)), taken_for);
+    return py::make_tuple(columns_of(std::move(table)), taken_for, world);
   } catch (const AmbiguousTable& table) {
     throw InvalidArgument(with_keywords(table, kind == "onsets" ? "Onsets.from_csv(path" : "Samples.from_csv(path"));
   }

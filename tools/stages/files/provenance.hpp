@@ -42,7 +42,7 @@ std::filesystem::path provenance_path(const std::filesystem::path& output);
 /// Whether a file is a provenance that this program wrote.
 bool is_provenance(const std::filesystem::path& path);
 
-/// The value of an option of the command that wrote a file, or of what it kept of its input (keep_conditions_of).
+/// The value of an option of the command that wrote a file, or of what it kept of its input (keep_world).
 /// Absent where no provenance lies beside the file, it is that of another content, or has no such option.
 /// @throws FileError where a provenance is none
 std::optional<std::string> parameter_in_provenance(const std::filesystem::path& file, const std::string& option);

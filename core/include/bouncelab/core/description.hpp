@@ -78,7 +78,7 @@ struct Member {
   /// @param words  with commas between them
   constexpr Member one_of(std::string_view words) const { return with(&Member::choices, words); }
   constexpr Member looks_like(std::string_view how) const { return with(&Member::form, how); }
-  /// A list of `lo` to `hi` numbers with commas between them; others may be given several times.
+  /// A list of `lo` to `hi` numbers with commas between them; others have any number, also one by one.
   constexpr Member with_commas(std::string_view how, std::size_t lo, std::size_t hi) const {
     return looks_like(how).with(&Member::n_least, lo).with(&Member::n_most, hi);
   }

@@ -36,7 +36,7 @@ enum class UseMemory {
 struct FitConfig {
   LawFitConfig law;             ///< the main fit; the others use its nodes
   std::size_t n_goodness = 99;  ///< replicates of the main fit's Anderson-Darling test, 0: none; likewise with memory
-  UseMemory memory = UseMemory::never;  ///< fill FitResult::memory: same form of law, same nodes as the main fit
+  UseMemory memory = UseMemory::never;  ///< fill FitResult::memory, by the same law; the command line: where_long
   HistogramConfig histograms;
   BudgetConfig budget;                  ///< where the samples say nothing of themselves (budget_config_of)
   std::optional<double> dem_speed_mps;  ///< absent: the middle node
