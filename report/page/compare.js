@@ -116,8 +116,8 @@ function drawDifferences(parent, d) {
 /// Two to four plates or recordings: by what they differ.
 function differencesSection(d) {
   if (!d || !d.rows.length) return;
-  const by = d.ndf > 0 ? `Intervals include how ${d.unit} within a group differ (Student’s t with ${number(d.ndf)} degrees of freedom).`
-                       : 'How drops of one group differ is not known: there is one in each.';
+  const by = d.rows[0].ndf > 0 ? `Intervals include how ${d.unit} within a group differ (Student’s t).`
+                               : 'How drops of one group differ is not known: there is one in each.';
   drawDifferences(figure('differences', `By what they differ: ${d.rows.map(r => `${r.group} less ${r.reference}`).join(', ')}`, 'Points: difference of ε at speeds that both reach, with 95 % intervals; on the line there is none. ' + by), d);
   const node = (name, v) => d.groups.find(g => g.name === name).nodes.find(n => n.v_mps === v);
   for (const row of d.rows)

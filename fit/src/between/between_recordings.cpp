@@ -143,11 +143,26 @@ class Pool {
   double weight(std::size_t k) const {
     return 1.0 / (square(judged_.deviations[0]) + judged_.data.variance[static_cast<Eigen::Index>(k)]);
   }
-  /// eps of a plate by the mean of its recordings, which the drift of all takes to the middle of the campaign; absent
-  /// where none of them is here.
+  /// eps of a plate in the middle of the campaign; absent where none of its recordings is here, or where plates and
+  /// drift are one.
   std::optional<GroupRestitution> of_plate(const std::string& name) const;
+  /// Of two plates that of_plate() has.
+  DifferenceOfTwo difference(const std::string& first, const std::string& second) const;
 
  private:
+  /// eps of a plate, or what two differ by. Of a plate that is a fixed effect all is in beta; else it is the mean of
+  /// its recordings, which the drift of all takes to the middle of the campaign.
+  struct OfPlates {
+    std::size_t n = 0;  ///< recordings
+    double value = 0.0;
+    Eigen::VectorXd of_beta;
+    double own_variance = 0.0;       ///< of the mean
+    double error_of_one = 0.0;       ///< of a recording of that
+    std::map<int, double> of_day{};  ///< shares of that
+  };
+  std::optional<OfPlates> mean_of_plate(const std::string& name) const;
+  DifferenceOfTwo estimate(const OfPlates& of, double more_variance = 0.0) const;
+
   const Design& design_;
   const Judged& judged_;
   OffsetSolution solution_;
@@ -155,33 +170,64 @@ class Pool {
   double factor_ = 1.0;
 };
 
-std::optional<GroupRestitution> Pool::of_plate(const std::string& name) const {
+std::optional<Pool::OfPlates> Pool::mean_of_plate(const std::string& name) const {
   const Eigen::Index n_fixed = judged_.data.n_fixed();
+  const GroupLabels& plates = design_.plates;
+  OfPlates of{0, 0.0, Eigen::VectorXd::Zero(n_fixed)};
   Eigen::RowVectorXd mean = Eigen::RowVectorXd::Zero(n_fixed + 1);  // of the rows, and of their values last
-  GroupRestitution group{name, 0, design_.v_mps, {}, {}, {}};
   double weights = 0.0;
-  std::map<int, double> of_day;
+  int plate = -1;
   for (std::size_t k = 0; k < judged_.kept.size(); ++k) {
     const auto row = static_cast<std::size_t>(judged_.kept[k]);
-    const int plate = design_.plates.of_recording[row];
-    if (plate < 0 || design_.plates.names[static_cast<std::size_t>(plate)] != name) continue;
+    const int of_row = plates.of_recording[row];
+    if (of_row < 0 || plates.names[static_cast<std::size_t>(of_row)] != name) continue;
+    plate = of_row;
     mean += weight(k) * judged_.data.h_and_m.row(static_cast<Eigen::Index>(k));
     weights += weight(k);
-    of_day[design_.days.of_recording[row]] += weight(k);
-    ++group.n;
+    of.of_day[design_.days.of_recording[row]] += weight(k);
+    ++of.n;
   }
-  if (group.n == 0) return std::nullopt;
+  if (of.n == 0 || design_.plates_are_times) return std::nullopt;
+  if (plates.effect == GroupEffect::fixed) {
+    of.of_day.clear();
+    of.of_beta = design_.of_plate(plate);
+    of.value = design_.base + of.of_beta.dot(solution_.beta());
+    return of;
+  }
   mean /= weights;
-  Eigen::VectorXd direction = Eigen::VectorXd::Zero(n_fixed);  // from the mean of the recordings to the middle
-  if (design_.has_drift) direction[n_fixed - 1] = -mean[n_fixed - 1];
-  double variance = 1.0 / weights + factor_ * congruence(direction, solution_.covariance())(0, 0);
-  for (const auto& [day, weight] : of_day) variance += square(deviation_of_days() * weight / weights);
-  const double value = design_.base + mean[n_fixed] + direction.dot(solution_.beta());
-  const double n_free = errors_.degrees_of_freedom_of_a_recording(std::sqrt(static_cast<double>(group.n) / weights));
-  group.eps = student_estimate(value, variance, n_free);
-  group.prediction95 =
-      student_estimate(value, variance + variance_of_a_recording() - square(deviation_of_plates()), n_free).ci95;
-  return group;
+  for (auto& [day, share] : of.of_day) share /= weights;
+  if (design_.has_drift) of.of_beta[n_fixed - 1] = -mean[n_fixed - 1];  // from the mean of the recordings to the middle
+  of.value = design_.base + mean[n_fixed] + of.of_beta.dot(solution_.beta());
+  of.own_variance = 1.0 / weights;
+  of.error_of_one = std::sqrt(static_cast<double>(of.n) / weights);
+  return of;
+}
+
+DifferenceOfTwo Pool::estimate(const OfPlates& of, double more_variance) const {
+  double variance = factor_ * congruence(of.of_beta, solution_.covariance())(0, 0) + of.own_variance + more_variance;
+  for (const auto& [day, share] : of.of_day) variance += square(deviation_of_days() * share);
+  const double n_free = of.own_variance > 0.0
+                            ? errors_.degrees_of_freedom_of_a_recording(of.error_of_one)
+                            : errors_.degrees_of_freedom(of.of_beta, more_variance > 0.0 ? std::sqrt(variance) : 0.0);
+  return {student_estimate(of.value, variance, n_free), n_free};
+}
+
+std::optional<GroupRestitution> Pool::of_plate(const std::string& name) const {
+  const std::optional<OfPlates> of = mean_of_plate(name);
+  if (!of) return std::nullopt;
+  const double of_another = variance_of_a_recording() - square(deviation_of_plates());
+  return GroupRestitution{name, of->n, design_.v_mps, estimate(*of).eps, estimate(*of, of_another).eps.ci95, {}};
+}
+
+DifferenceOfTwo Pool::difference(const std::string& first, const std::string& second) const {
+  const OfPlates reference = mean_of_plate(first).value();
+  OfPlates of = mean_of_plate(second).value();
+  of.value -= reference.value;
+  of.of_beta -= reference.of_beta;
+  of.own_variance += reference.own_variance;
+  of.error_of_one = hypot(of.error_of_one, reference.error_of_one) / std::sqrt(2.0);
+  for (const auto& [day, share] : reference.of_day) of.of_day[day] -= share;
+  return estimate(of);
 }
 
 void describe_deviations(BetweenRecordings& result, const Design& design, const Judged& judged) {
@@ -232,7 +278,7 @@ void describe_days(BetweenRecordings& result, const Design& design, const Judged
     const auto row = static_cast<std::size_t>(judged.kept[k]);
     const int day = design.days.of_recording[row], plate = design.plates.of_recording[row];
     if (day < 0) continue;
-    double left = judged.data.m()[static_cast<Eigen::Index>(k)] - beta[0] - design.plate_constant(beta, plate);
+    double left = judged.data.m()[static_cast<Eigen::Index>(k)] - design.of_plate(plate).dot(beta);
     if (design.plates.effect == GroupEffect::random) left -= pool.solution().effect(design.plate_grouping, plate);
     const auto d = static_cast<std::size_t>(day);
     ++rows[d].n;
@@ -296,6 +342,9 @@ void describe_nodes(BetweenRecordings& result, const std::vector<CampaignRecordi
     if (!result.differences) continue;
     for (GroupRestitution& group : result.differences->groups)
       if (const auto here = pool.of_plate(group.name)) group.nodes.push_back({v_mps, here->eps});
+    for (GroupDifference& row : result.differences->rows)
+      if (pool.of_plate(row.reference) && pool.of_plate(row.group))
+        row.nodes.push_back({v_mps, pool.difference(row.reference, row.group).eps});
   }
 }
 
@@ -349,16 +398,19 @@ BetweenRecordings compare_campaign(const std::vector<CampaignRecording>& recordi
   describe_rows(result, design, judged, pool);
   GroupDifferences plates;
   plates.unit = GroupUnit::recordings;
-  plates.ndf = static_cast<double>(judged.data.n() - judged.data.n_fixed());
   for (const std::string& name : design.plates.names) {
     auto group = pool.of_plate(name);
     if (!group) continue;
     result.plates.rows.push_back({name, group->n, group->eps.value - result.eps.value, *group->eps.se});
     plates.groups.push_back(*std::move(group));
   }
-  if (design.plates.effect != GroupEffect::none && plates.groups.size() > 1) result.differences = std::move(plates);
+  if (design.plates.effect != GroupEffect::none && plates.groups.size() > 1) {
+    add_pairs(plates, [&](std::size_t i, std::size_t j) {
+      return pool.difference(plates.groups[i].name, plates.groups[j].name);
+    });
+    result.differences = std::move(plates);
+  }
   describe_nodes(result, recordings, used, times);
-  if (result.differences) add_pairs(*result.differences);
   return result;
 }
 

@@ -60,20 +60,11 @@ void choose_groups(Design& design) {
 
 /// 1, contrasts of plates, drift, and the values.
 void set_columns(Design& design, const Eigen::VectorXd& values, const Eigen::VectorXd& time) {
-  const bool has_plates = design.plates.effect == GroupEffect::fixed;
-  const auto n_plates = static_cast<Eigen::Index>(design.plates.names.size());
-  const Eigen::Index n_contrasts = has_plates ? n_plates - 1 : 0,
-                     n_columns = 1 + n_contrasts + (design.has_drift ? 1 : 0);
+  const Eigen::Index n_columns = design.of_plate(-1).size();
   OffsetData::Rows& h = design.data.h_and_m;
   h = OffsetData::Rows::Zero(values.size(), n_columns + 1);
-  h.col(0).setOnes();
-  for (Eigen::Index r = 0; has_plates && r < values.size(); ++r) {
-    const int plate = design.plates.of_recording[static_cast<std::size_t>(r)];
-    if (plate == n_plates - 1)
-      h.row(r).segment(1, n_contrasts).setConstant(-1.0);
-    else if (plate >= 0)
-      h(r, 1 + plate) = 1.0;
-  }
+  for (Eigen::Index r = 0; r < values.size(); ++r)
+    h.row(r).head(n_columns) = design.of_plate(design.plates.of_recording[static_cast<std::size_t>(r)]);
   if (design.has_drift) h.col(n_columns - 1) = time;
   h.col(n_columns) = values;
 }
@@ -98,10 +89,15 @@ bool is_determined(const OffsetData& data) {
   return scaled_eigenvalues(transposed_product(data.h(), data.h())).minCoeff() > 1e-8;
 }
 
-double Design::plate_constant(const Eigen::VectorXd& beta, int plate) const {
-  if (plates.effect != GroupEffect::fixed || plate < 0) return 0.0;
-  const auto n = static_cast<Eigen::Index>(plates.names.size());
-  return plate == n - 1 ? -beta.segment(1, n - 1).sum() : beta[1 + plate];
+Eigen::VectorXd Design::of_plate(int plate) const {
+  const auto n_contrasts = plates.effect == GroupEffect::fixed ? std::ssize(plates.names) - 1 : 0;
+  Eigen::VectorXd columns = Eigen::VectorXd::Zero(1 + n_contrasts + (has_drift ? 1 : 0));
+  columns[0] = 1.0;
+  if (plate == n_contrasts)
+    columns.segment(1, n_contrasts).setConstant(-1.0);
+  else if (plate >= 0 && n_contrasts > 0)
+    columns[1 + plate] = 1.0;
+  return columns;
 }
 
 const Estimate* eps_at(const RecordingSummary& summary, double v_mps) {
@@ -171,6 +167,7 @@ Design make_design(const std::vector<CampaignRecording>& recordings, const std::
   set_columns(design, off, column(time));
   if (design.plates.effect == GroupEffect::fixed && !is_determined(design.data)) {
     design.plates.effect = GroupEffect::none;
+    design.plates_are_times = true;
     design.notes.push_back({NoteKind::plates_are_times});
     set_columns(design, off, column(time));
   }
