@@ -332,6 +332,24 @@ TEST(CompareCampaign, OfPlatesOneAfterTheOtherKnowsThatADriftMovesThemApart) {
   }
 }
 
+TEST(CompareCampaign, SaysThatPlatesWereMeasuredOneAfterTheOther) {
+  const auto note_of = [](const Campaign& campaign, bool is_dated) {
+    std::vector<CampaignRecording> recordings = drawn(campaign);
+    for (CampaignRecording& r : recordings)
+      if (!is_dated) r.origin.date.reset();
+    for (const Note& note : compare_campaign(recordings).notes)
+      if (note.kind == NoteKind::plates_are_times) return note.subject;
+    return std::string();
+  };
+  for (const bool is_dated : {true, false}) {
+    EXPECT_EQ(note_of({.n = 12, .n_days = 12, .n_plates = 3, .in_turn = false}, is_dated), "plate 0 and plate 2");
+    EXPECT_EQ(note_of({.n = 24, .n_days = 24, .n_plates = 8, .in_turn = false}, is_dated), "the plates");
+    for (const std::size_t n_plates : {2, 3, 8}) EXPECT_EQ(note_of({.n = 24, .n_plates = n_plates}, is_dated), "");
+  }
+  // a day each: they are the drift, and no difference is stated
+  EXPECT_EQ(note_of({.n = 12, .n_days = 2, .n_plates = 2, .in_turn = false}, true), "plate 0 and plate 1");
+}
+
 TEST(CompareCampaign, OfHundredsOfRecordingsHasNoBiasThatTheirMeanShows) {
   // two drops of 30 bounces each: a hard ball, a soft one, and one that yields, eps ~ v^(-1/4)
   TableLaw yields;

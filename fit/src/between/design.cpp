@@ -2,10 +2,13 @@
 #include "between/offset_model.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <set>
+#include <string>
 #include <utility>
 
 #include "bouncelab/core/elementary.hpp"
+#include "bouncelab/core/text.hpp"
 #include "numerics/numerics.hpp"
 
 namespace bouncelab::fit {
@@ -56,6 +59,30 @@ void choose_groups(Design& design) {
     days.effect = GroupEffect::random;
   else if (days.names.size() < kFewestGroups)
     design.notes.push_back({NoteKind::few_days, {static_cast<double>(days.names.size())}});
+}
+
+/// Plates that were measured one after the other: two of a few, or all of many, since of many some always are.
+void note_plates_apart(Design& design, const std::vector<double>& time) {
+  const GroupLabels& plates = design.plates;
+  if (plates.effect == GroupEffect::none) return;
+  std::vector<Interval> times(plates.names.size(), {HUGE_VAL, -HUGE_VAL});
+  for (std::size_t r = 0; r < time.size(); ++r) {
+    if (plates.of_recording[r] < 0) continue;
+    Interval& of = times[static_cast<std::size_t>(plates.of_recording[r])];
+    of = {std::min(of.lo, time[r]), std::max(of.hi, time[r])};
+  }
+  const auto ends_first = std::min_element(times.begin(), times.end(), [](auto a, auto b) { return a.hi < b.hi; });
+  const auto begins_last = std::max_element(times.begin(), times.end(), [](auto a, auto b) { return a.lo < b.lo; });
+  if (!(ends_first->hi < begins_last->lo)) return;
+  const auto name = [&](auto of) { return printable(plates.names[static_cast<std::size_t>(of - times.begin())]); };
+  std::string who = name(ends_first) + " and " + name(begins_last);
+  if (plates.effect == GroupEffect::random) {
+    std::sort(times.begin(), times.end(), [](auto a, auto b) { return a.lo < b.lo; });
+    for (std::size_t k = 1; k < times.size(); ++k)
+      if (!(times[k - 1].hi < times[k].lo)) return;
+    who = "the plates";
+  }
+  design.notes.push_back({NoteKind::plates_are_times, {}, who});
 }
 
 /// 1, contrasts of plates, drift, and the values.
@@ -162,13 +189,13 @@ Design make_design(const std::vector<CampaignRecording>& recordings, const std::
   design.plates = labels_of(plates);
   design.days = labels_of(days);
   choose_groups(design);
+  note_plates_apart(design, time);
   const std::size_t n_plates = design.plates.effect == GroupEffect::fixed ? design.plates.names.size() : 1;
   design.has_drift = times.has_drift && design.of_row.size() >= n_plates + kFewestForDrift;
   set_columns(design, off, column(time));
   if (design.plates.effect == GroupEffect::fixed && !is_determined(design.data)) {
     design.plates.effect = GroupEffect::none;
     design.plates_are_times = true;
-    design.notes.push_back({NoteKind::plates_are_times});
     set_columns(design, off, column(time));
   }
   add_groupings(design);
