@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <map>
 #include <set>
 #include <utility>
 
+#include "bouncelab/core/error.hpp"
 #include "bouncelab/core/parallel.hpp"
 #include "bouncelab/core/text.hpp"
 #include "bouncelab/fit/restitution.hpp"
@@ -58,17 +60,25 @@ std::vector<fit::RecordingOrigin> origins_of(const Names& recordings, const Orig
                                              std::vector<Note>& notes) {
   std::vector<fit::RecordingOrigin> all(recordings.size());
   if (origins.by_recording.empty()) return all;
-  std::set<std::string> found;
+  std::map<std::string, std::string> found;  // row -> the recording that it is of
   Names without_row, without_samples;
   for (std::size_t k = 0; k < recordings.size(); ++k) {
-    auto known = origins.by_recording.find(recordings[k]);
-    if (known == origins.by_recording.end()) known = origins.by_recording.find(file_of(recordings[k]));
+    const std::string& recording = recordings[k];
+    auto known = origins.by_recording.find(recording);
+    // else that of the longest end of its path
+    for (std::size_t at = recording.find('/'); known == origins.by_recording.end() && at != std::string::npos;
+         at = recording.find('/', at + 1))
+      known = origins.by_recording.find(recording.substr(at + 1));
     if (known == origins.by_recording.end()) {
-      without_row.push_back(recordings[k]);
+      without_row.push_back(recording);
       continue;
     }
     all[k] = known->second;
-    found.insert(known->first);
+    const std::string& other = found.emplace(known->first, recording).first->second;
+    if (other != recording)
+      throw FileError(origins.table, "the row '" + printable(known->first) + "' is of '" + printable(other) +
+                                         "' and of '" + printable(recording) +
+                                         "'; write the path of each, a row for each");
   }
   for (const auto& [name, origin] : origins.by_recording)
     if (!found.contains(name)) without_samples.push_back(name);

@@ -214,6 +214,11 @@ TEST_F(CompareCommand, BadInputGetsOneLine) {
   expect_one_line_error(run("compare s.csv --groups dates.csv --out o"), 3, {"dates.csv", "line 2", "2026-02-30"});
   write("twice.csv", "recording,plate\na,x\na,y\n");
   expect_one_line_error(run("compare s.csv --groups twice.csv --out o"), 3, {"twice.csv", "line 3", "'a'", "twice"});
+  write("same.csv", "recording,v_mps,eps\ngranite/1/a,0.5,0.97\nsteel/1/a,0.5,0.98\nsteel/2/b,0.5,0.98\n");
+  write("g.csv", "recording,plate\n1/a,x\nb,y\n");
+  for (const std::string command : {"compare", "fit"})
+    expect_one_line_error(run(command + " same.csv --groups g.csv --out o.json"), 3,
+                          {"g.csv", "'1/a'", "'granite/1/a' and of 'steel/1/a'", "write the path"});
   write("neither.csv", "recording,colour\na,x\n");
   expect_one_line_error(run("compare s.csv --groups neither.csv --out o"), 3, {"neither.csv", "plate", "date"});
 }
