@@ -2,7 +2,6 @@
 #include "bouncelab/loop/comparison.hpp"
 
 #include <algorithm>
-#include <filesystem>
 #include <map>
 #include <set>
 #include <utility>
@@ -17,8 +16,6 @@ namespace {
 
 using Groups = std::vector<std::pair<std::string, RestitutionSamples>>;
 using Names = std::vector<std::string>;
-
-std::string file_of(const std::string& recording) { return std::filesystem::path(recording).filename().string(); }
 
 /// A note on some of the recordings: "2 of the 5 recordings ('a', 'b') WHAT". None of no names.
 /// @param one, more  what is true of one, and of several
@@ -40,16 +37,17 @@ void note_some(NoteKind kind, const Names& names, std::size_t n_all, const std::
 /// @param kept  usable samples of the recordings, in their order
 Groups groups_of(const std::vector<fit::CampaignRecording>& recordings, const std::vector<RestitutionSamples>& kept) {
   if (recordings.size() < 2 || recordings.size() > fit::kMostGroups) return {};
-  std::multiset<std::string> plates, files;
+  std::multiset<std::string> plates;
+  Names names;
   for (const fit::CampaignRecording& recording : recordings) {
     plates.insert(recording.origin.plate);
-    files.insert(file_of(recording.summary.recording));
+    names.push_back(recording.summary.recording);
   }
+  names = short_names(names);
   Groups groups;
   for (std::size_t k = 0; k < kept.size(); ++k) {
-    const std::string &plate = recordings[k].origin.plate, &name = recordings[k].summary.recording;
-    const bool has_plate = !plate.empty() && plates.count(plate) == 1, has_file = files.count(file_of(name)) == 1;
-    groups.emplace_back(has_plate ? plate : has_file ? file_of(name) : name, kept[k]);
+    const std::string& plate = recordings[k].origin.plate;
+    groups.emplace_back(!plate.empty() && plates.count(plate) == 1 ? plate : names[k], kept[k]);
   }
   return groups;
 }
