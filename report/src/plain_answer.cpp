@@ -342,8 +342,8 @@ std::string in_words(const Recordings& recordings) {
                      noun(recordings));
   const RecordingsTest& test = *recordings.test;
   return formatted("the %zu %s agree (p = %.2g", test.n_recordings, noun(recordings), test.p_value) +
-         (test.within == WithinUnit::drops
-              ? " by the differences between drops)"
+         (test.within != WithinUnit::samples
+              ? std::string(" by the differences between ") + to_string(test.within) + ")"
               : " if all impacts are independent; too few drops to know whether they are)");
 }
 
