@@ -241,6 +241,12 @@ std::vector<std::string> in_words(const BetweenRecordings& between, const std::v
                                      " over " + n_recordings(between.n_used - between.n_outliers), between.prediction95,
                                      "recording"));
   sentences.push_back(of_deviation(between.tau, "recording", " beyond the errors of each"));
+  if (const auto& unequal = between.unequal_scatter)
+    sentences.push_back(
+        formatted("Recordings of %s scatter more than those of %s (standard deviations %.2g and %.2g; %s): one for all "
+                  "is too little for the one and too much for the other; compare each plate alone.",
+                  printable(unequal->widest).c_str(), printable(unequal->narrowest).c_str(), unequal->sd_widest,
+                  unequal->sd_narrowest, p_in_words(unequal->p_value).c_str()));
   sentences.push_back(of_drift(between));
   sentences.push_back(of_outliers(between, recordings));
   for (const auto& [grouping, name] : {std::pair{&between.plates, "plate"}, {&between.days, "day"}})

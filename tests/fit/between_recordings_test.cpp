@@ -332,6 +332,27 @@ TEST(CompareCampaign, OfPlatesOneAfterTheOtherKnowsThatADriftMovesThemApart) {
   }
 }
 
+TEST(CompareCampaign, SaysThatPlatesScatterUnequally) {
+  const auto n_seeds = test::repetitions<std::size_t>(100, 1000);
+  std::array<double, 2> n{};
+  for (std::size_t k = 0; k < n_seeds; ++k)
+    for (const bool is_wide : {false, true}) {
+      std::vector<CampaignRecording> recordings =
+          drawn({.n = 16, .n_days = 16, .n_plates = 2, .least_error = 2e-5, .greatest_error = 5e-5, .seed = 300 + k});
+      Random random(300 + k, RandomStream::test, 5);
+      for (CampaignRecording& r : recordings) {
+        const double offset = 3e-3 * random.normal();  // ten times tau
+        if (is_wide && r.origin.plate == "plate 1")
+          for (NodeEstimate& node : r.summary.nodes) node.eps.value += offset;
+      }
+      const BetweenRecordings found = compare_campaign(recordings);
+      n[is_wide] += found.unequal_scatter.has_value();
+      if (is_wide && found.unequal_scatter) EXPECT_EQ(found.unequal_scatter->widest, "plate 1");
+    }
+  EXPECT_LE(n[0], test::most_of(static_cast<double>(n_seeds), 0.01));
+  EXPECT_GE(n[1], test::fewest_of(static_cast<double>(n_seeds), 0.95));
+}
+
 TEST(CompareCampaign, SaysThatPlatesWereMeasuredOneAfterTheOther) {
   const auto note_of = [](const Campaign& campaign, bool is_dated) {
     std::vector<CampaignRecording> recordings = drawn(campaign);

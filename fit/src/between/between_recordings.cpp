@@ -292,6 +292,43 @@ void describe_days(BetweenRecordings& result, const Design& design, const Judged
   std::erase_if(rows, [](const GroupRow& row) { return row.n == 0; });
 }
 
+/// Bartlett, Proc. R. Soc. A 160, 268 (1937), doi:10.1098/rspa.1937.0109.
+std::optional<UnequalScatter> unequal_scatter(const Design& design, const Judged& judged, const Pool& pool) {
+  constexpr double kUnlikely = 0.01;
+  constexpr std::size_t kFewestOfPlate = 3;
+  const Eigen::VectorXd& beta = pool.solution().beta();
+  std::vector<std::vector<std::size_t>> rows(design.plates.names.size());  // of each plate, in judged.data
+  for (std::size_t k = 0; k < judged.kept.size(); ++k)
+    if (const int plate = design.plates.of_recording[static_cast<std::size_t>(judged.kept[k])]; plate >= 0)
+      rows[static_cast<std::size_t>(plate)].push_back(k);
+  double n_plates = 0.0, n_free = 0.0, squares = 0.0, logs = 0.0, inverses = 0.0;
+  UnequalScatter found;
+  double most = -1.0, least = HUGE_VAL;
+  for (std::size_t p = 0; p < rows.size(); ++p) {
+    if (rows[p].size() < kFewestOfPlate) continue;
+    double weights = 0.0, mean = 0.0, own = 0.0;
+    const auto value = [&](std::size_t k) {  // without the drift
+      const auto r = static_cast<Eigen::Index>(k);
+      return judged.data.m()[r] -
+             (design.has_drift ? beta[beta.size() - 1] * judged.data.h()(r, beta.size() - 1) : 0.0);
+    };
+    for (const std::size_t k : rows[p]) weights += pool.weight(k), mean += pool.weight(k) * value(k);
+    mean /= weights;
+    for (const std::size_t k : rows[p]) own += pool.weight(k) * square(value(k) - mean);
+    const auto free = static_cast<double>(rows[p].size() - 1);
+    const double variance = std::max(own / free, 1e-12);
+    const double sd = std::sqrt(variance * static_cast<double>(rows[p].size()) / weights);
+    ++n_plates, n_free += free, squares += own, logs += free * log(variance), inverses += 1.0 / free;
+    if (variance > most) most = variance, found.widest = design.plates.names[p], found.sd_widest = sd;
+    if (variance < least) least = variance, found.narrowest = design.plates.names[p], found.sd_narrowest = sd;
+  }
+  if (n_plates < 2.0) return std::nullopt;
+  const double correction = 1.0 + (inverses - 1.0 / n_free) / (3.0 * (n_plates - 1.0));
+  const double chi2 = (n_free * log(std::max(squares / n_free, 1e-12)) - logs) / correction;
+  found.p_value = chi2_survival(std::max(0.0, chi2), n_plates - 1.0);
+  return found.p_value < kUnlikely ? std::optional(found) : std::nullopt;
+}
+
 void describe_rows(BetweenRecordings& result, const Design& design, const Judged& judged, const Pool& pool) {
   for (std::size_t k = 0; k < design.of_row.size(); ++k) {
     const auto r = static_cast<Eigen::Index>(k);
@@ -396,6 +433,7 @@ BetweenRecordings compare_campaign(const std::vector<CampaignRecording>& recordi
   describe_drift(result, design, pool, times.drift);
   describe_days(result, design, judged, pool);
   describe_rows(result, design, judged, pool);
+  result.unequal_scatter = unequal_scatter(design, judged, pool);
   GroupDifferences plates;
   plates.unit = GroupUnit::recordings;
   for (const std::string& name : design.plates.names) {

@@ -125,6 +125,14 @@ struct Grouping {
 };
 Description members_of(const Grouping*);
 
+/// Plates whose recordings do not scatter alike about their means, as one tau for all takes them to: Bartlett's test by
+/// the residuals, p < 0.01.
+struct UnequalScatter {
+  std::string widest, narrowest;               ///< plates
+  double sd_widest = 0.0, sd_narrowest = 0.0;  ///< of eps between their recordings, with the recordings' own errors
+  double p_value = 1.0;
+};
+
 /// eps of one of several groups, of its recordings alone.
 struct GroupRestitution {
   std::string name;    ///< the plate, or the recording
@@ -203,6 +211,7 @@ struct BetweenRecordings {
   ChiSquareTest heterogeneity;      ///< is tau 0, and is there no drift and no group?
   std::optional<Drift> drift;
   Grouping plates, days;
+  std::optional<UnequalScatter> unequal_scatter;
   /// Of plates with several recordings, else (see compare_groups) of few recordings. Where they differ, eps, prediction
   /// and nodes of all are those of none.
   std::optional<GroupDifferences> differences;
