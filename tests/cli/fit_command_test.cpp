@@ -209,17 +209,17 @@ TEST_F(FitCommand, OfPlatesHasConstantsAndSlopesOfEach) {
 }
 
 TEST_F(FitCommand, RecordingsOfAPlateThatDifferAreSaidAndCount) {
-  constexpr double kScatter = 1.5e-3, kBetween = 3e-3;
+  constexpr double kOfBounces = 1.5e-3, kOfRecordings = 3e-3;
   std::string samples = "recording,drop,v_mps,eps\n", plates = "recording,plate\n";
   for (int k = 0; k < 12; ++k) {  // two equal plates; recordings of one of them differ
     Random random(21, RandomStream::test, static_cast<std::uint64_t>(k));
     const bool differs = k % 2 == 1;
-    const double offset = differs ? kBetween * random.normal() : 0.0;
+    const double offset = differs ? kOfRecordings * random.normal() : 0.0;
     const std::string name = "r" + std::to_string(k);
     plates += name + (differs ? ",wood\n" : ",glass\n");
     for (int i = 0; i < 80; ++i)
       samples += name + "," + std::to_string(i / 20) + "," + std::to_string(random.uniform(0.3, 2.0)) + "," +
-                 std::to_string(0.85 + offset + kScatter * random.normal()) + "\n";
+                 std::to_string(0.85 + offset + kOfBounces * random.normal()) + "\n";
   }
   write("s.csv", samples);
   write("plates.csv", plates);
@@ -233,7 +233,7 @@ TEST_F(FitCommand, RecordingsOfAPlateThatDifferAreSaidAndCount) {
   for (std::size_t k = 0; k < 2; ++k) {
     const auto& row = fit["recordings"][k];
     // 480 samples scatter by 7e-5 together, six recordings of wood by 1.2e-3
-    const double expected = row["recording"] == "wood" ? kBetween / std::sqrt(6.0) : kScatter / std::sqrt(480.0);
+    const double expected = row["recording"] == "wood" ? kOfRecordings / std::sqrt(6.0) : kOfBounces / std::sqrt(480.0);
     EXPECT_NEAR(std::log(row["nodes"][row["nodes"].size() / 2]["se"].number() / expected), 0.0, std::log(2.5));
   }
 }
