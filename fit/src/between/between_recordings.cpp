@@ -293,29 +293,35 @@ void describe_days(BetweenRecordings& result, const Design& design, const Judged
 }
 
 /// Bartlett, Proc. R. Soc. A 160, 268 (1937), doi:10.1098/rspa.1937.0109.
-std::optional<UnequalScatter> unequal_scatter(const Design& design, const Judged& judged, const Pool& pool) {
+std::optional<UnequalScatter> unequal_scatter(const Design& design, const Judged& judged) {
   constexpr double kUnlikely = 0.01;
-  constexpr std::size_t kFewestOfPlate = 3;
-  const Eigen::VectorXd& beta = pool.solution().beta();
-  std::vector<std::vector<std::size_t>> rows(design.plates.names.size());  // of each plate, in judged.data
-  for (std::size_t k = 0; k < judged.kept.size(); ++k)
-    if (const int plate = design.plates.of_recording[static_cast<std::size_t>(judged.kept[k])]; plate >= 0)
-      rows[static_cast<std::size_t>(plate)].push_back(k);
+  constexpr std::size_t kFewestOfPlate = 4;
+  constexpr double kNone = 1e-12;  // of the square of the length of the campaign
+  // of each plate; one outlier is a bad recording, several are how a plate scatters
+  std::vector<std::vector<Eigen::Index>> rows(design.plates.names.size()), outliers(rows.size());
+  for (std::size_t r = 0; r < judged.rows.size(); ++r)
+    if (const int plate = design.plates.of_recording[r]; plate >= 0)
+      (judged.rows[r].is_outlier ? outliers : rows)[static_cast<std::size_t>(plate)].push_back(
+          static_cast<Eigen::Index>(r));
+  for (std::size_t p = 0; p < rows.size(); ++p)
+    if (outliers[p].size() > 1) rows[p].insert(rows[p].end(), outliers[p].begin(), outliers[p].end());
   double n_plates = 0.0, n_free = 0.0, squares = 0.0, logs = 0.0, inverses = 0.0;
   UnequalScatter found;
   double most = -1.0, least = HUGE_VAL;
   for (std::size_t p = 0; p < rows.size(); ++p) {
     if (rows[p].size() < kFewestOfPlate) continue;
-    double weights = 0.0, mean = 0.0, own = 0.0;
-    const auto value = [&](std::size_t k) {  // without the drift
-      const auto r = static_cast<Eigen::Index>(k);
-      return judged.data.m()[r] -
-             (design.has_drift ? beta[beta.size() - 1] * judged.data.h()(r, beta.size() - 1) : 0.0);
-    };
-    for (const std::size_t k : rows[p]) weights += pool.weight(k), mean += pool.weight(k) * value(k);
-    mean /= weights;
-    for (const std::size_t k : rows[p]) own += pool.weight(k) * square(value(k) - mean);
-    const auto free = static_cast<double>(rows[p].size() - 1);
+    // about a straight line of its own: the drift of all has the scatter of the widest
+    const auto n = static_cast<Eigen::Index>(rows[p].size());
+    const Eigen::ArrayXd weight = (design.data.variance(rows[p]).array() + square(judged.deviations[0])).inverse();
+    const double weights = weight.sum();
+    Eigen::ArrayXd value = design.data.m()(rows[p]), time = Eigen::ArrayXd::Zero(n);
+    if (design.has_drift) time = design.data.h().col(design.data.n_fixed() - 1)(rows[p]);
+    value -= (weight * value).sum() / weights;
+    time -= (weight * time).sum() / weights;
+    const double of_time = (weight * time.square()).sum();
+    if (of_time > kNone * weights) value -= time * ((weight * time * value).sum() / of_time);
+    const double own = (weight * value.square()).sum();
+    const auto free = static_cast<double>(n - (of_time > kNone * weights ? 2 : 1));
     const double variance = std::max(own / free, 1e-12);
     const double sd = std::sqrt(variance * static_cast<double>(rows[p].size()) / weights);
     ++n_plates, n_free += free, squares += own, logs += free * log(variance), inverses += 1.0 / free;
@@ -433,7 +439,7 @@ BetweenRecordings compare_campaign(const std::vector<CampaignRecording>& recordi
   describe_drift(result, design, pool, times.drift);
   describe_days(result, design, judged, pool);
   describe_rows(result, design, judged, pool);
-  result.unequal_scatter = unequal_scatter(design, judged, pool);
+  result.unequal_scatter = unequal_scatter(design, judged);
   GroupDifferences plates;
   plates.unit = GroupUnit::recordings;
   for (const std::string& name : design.plates.names) {

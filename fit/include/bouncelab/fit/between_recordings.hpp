@@ -125,8 +125,8 @@ struct Grouping {
 };
 Description members_of(const Grouping*);
 
-/// Plates whose recordings do not scatter alike about their means, as one tau for all takes them to: Bartlett's test by
-/// the residuals, p < 0.01.
+/// Plates whose recordings do not scatter alike, each about its own line in time, as one tau for all takes them to:
+/// Bartlett's test by the residuals, p < 0.01.
 struct UnequalScatter {
   std::string widest, narrowest;               ///< plates
   double sd_widest = 0.0, sd_narrowest = 0.0;  ///< of eps between their recordings, with the recordings' own errors
