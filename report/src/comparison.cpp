@@ -201,8 +201,8 @@ std::vector<std::string> of_difference(const GroupDifference& row, GroupUnit uni
   Estimate size = row.eps;
   size.value = std::abs(size.value);
   if (!is_greater) size.ci95 = {-row.eps.ci95->hi, -row.eps.ci95->lo};
-  const std::string higher = "ε of " + printable(is_greater ? b : a) + " is " + fit::in_words(size.value, size.se) +
-                             " (" + interval_known(size) + ") above that of " + printable(is_greater ? a : b) +
+  const std::string higher = "ε of " + printable(b) + " is " + fit::in_words(size.value, size.se) + " (" +
+                             interval_known(size) + (is_greater ? ") above" : ") below") + " that of " + printable(a) +
                              at_the_speeds(row, is_greater ? 1.0 : -1.0);
   const std::string of_one = std::string(to_string(unit)) + (are_plates ? " of one plate" : " of one recording");
   if (!row.p_value)

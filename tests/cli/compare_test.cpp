@@ -189,7 +189,7 @@ TEST_F(CompareCommand, NamesRowsWithoutARecordingAndRecordingsWithoutARow) {
   write("wood.wav", sound_of(2, 0.80));
   write("other.wav", sound_of(2, 0.85));
   write("g.csv", "recording,plate\nglass.wav,window\nwood.wav,table\nlost.wav,table\n");
-  const Result result = run("compare ./glass.wav wood.wav other.wav --groups g.csv --out o");
+  const Result result = run("compare ./glass.wav wood.wav g.csv.meta.json other.wav --groups g.csv --out o");
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_THAT(result.err, testing::HasSubstr("1 of the 3 recordings ('lost.wav') of g.csv has no samples"));
   EXPECT_THAT(result.err, testing::HasSubstr("1 of the 3 recordings ('other.wav') has no row in g.csv"));
