@@ -2,6 +2,7 @@
 #include "bouncelab/fit/fit.hpp"
 #include "bouncelab/core/numerics.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <utility>
@@ -178,6 +179,17 @@ void describe_scatter(FitResult& result, const RestitutionSamples& kept, const P
 FitResult fit_on_these_threads(const RestitutionSamples& samples, const FitConfig& config,
                                const ProgressCallback& progress);
 
+/// The errors of a plate's curve by its recordings, where these differ by more than the drops within them say.
+void count_recordings(RecordingFit& plate) {
+  const auto n = static_cast<double>(plate.within->offsets.size());
+  double mean = 0.0, squares = 0.0;
+  for (const NamedEstimate& offset : plate.within->offsets) mean += offset.estimate.value / n;
+  for (const NamedEstimate& offset : plate.within->offsets) squares += square(offset.estimate.value - mean);
+  const double variance = squares / (n - 1.0) / n;
+  for (CurveNode& node : plate.nodes)
+    node.eps = student_estimate(node.eps.value, std::max(variance, square(node.eps.se.value_or(0.0))), n - 1.0);
+}
+
 /// Each recording by its own curve, at those nodes of the curve of all that it reaches; each plate as alone.
 /// @param measured  the samples of all
 void describe_rows(Recordings& recordings, const RestitutionSamples& measured, const std::vector<CurveNode>& nodes,
@@ -207,6 +219,7 @@ void describe_rows(Recordings& recordings, const RestitutionSamples& measured, c
       row.histograms = std::move(one.histograms);
     }
     row.nodes = std::move(curve.nodes);
+    if (disagree_within(row)) count_recordings(row);
     row.heights = std::move(curve.heights);
   });
 }

@@ -2,10 +2,11 @@
 #include "bouncelab/loop/comparison.hpp"
 
 #include <algorithm>
-#include <filesystem>
+#include <map>
 #include <set>
 #include <utility>
 
+#include "bouncelab/core/error.hpp"
 #include "bouncelab/core/parallel.hpp"
 #include "bouncelab/core/text.hpp"
 #include "bouncelab/fit/restitution.hpp"
@@ -15,8 +16,6 @@ namespace {
 
 using Groups = std::vector<std::pair<std::string, RestitutionSamples>>;
 using Names = std::vector<std::string>;
-
-std::string file_of(const std::string& recording) { return std::filesystem::path(recording).filename().string(); }
 
 /// A note on some of the recordings: "2 of the 5 recordings ('a', 'b') WHAT". None of no names.
 /// @param one, more  what is true of one, and of several
@@ -38,16 +37,17 @@ void note_some(NoteKind kind, const Names& names, std::size_t n_all, const std::
 /// @param kept  usable samples of the recordings, in their order
 Groups groups_of(const std::vector<fit::CampaignRecording>& recordings, const std::vector<RestitutionSamples>& kept) {
   if (recordings.size() < 2 || recordings.size() > fit::kMostGroups) return {};
-  std::multiset<std::string> plates, files;
+  std::multiset<std::string> plates;
+  Names names;
   for (const fit::CampaignRecording& recording : recordings) {
     plates.insert(recording.origin.plate);
-    files.insert(file_of(recording.summary.recording));
+    names.push_back(recording.summary.recording);
   }
+  names = short_names(names);
   Groups groups;
   for (std::size_t k = 0; k < kept.size(); ++k) {
-    const std::string &plate = recordings[k].origin.plate, &name = recordings[k].summary.recording;
-    const bool has_plate = !plate.empty() && plates.count(plate) == 1, has_file = files.count(file_of(name)) == 1;
-    groups.emplace_back(has_plate ? plate : has_file ? file_of(name) : name, kept[k]);
+    const std::string& plate = recordings[k].origin.plate;
+    groups.emplace_back(!plate.empty() && plates.count(plate) == 1 ? plate : names[k], kept[k]);
   }
   return groups;
 }
@@ -58,17 +58,25 @@ std::vector<fit::RecordingOrigin> origins_of(const Names& recordings, const Orig
                                              std::vector<Note>& notes) {
   std::vector<fit::RecordingOrigin> all(recordings.size());
   if (origins.by_recording.empty()) return all;
-  std::set<std::string> found;
+  std::map<std::string, std::string> found;  // row -> the recording that it is of
   Names without_row, without_samples;
   for (std::size_t k = 0; k < recordings.size(); ++k) {
-    auto known = origins.by_recording.find(recordings[k]);
-    if (known == origins.by_recording.end()) known = origins.by_recording.find(file_of(recordings[k]));
+    const std::string& recording = recordings[k];
+    auto known = origins.by_recording.find(recording);
+    // else that of the longest end of its path
+    for (std::size_t at = recording.find('/'); known == origins.by_recording.end() && at != std::string::npos;
+         at = recording.find('/', at + 1))
+      known = origins.by_recording.find(recording.substr(at + 1));
     if (known == origins.by_recording.end()) {
-      without_row.push_back(recordings[k]);
+      without_row.push_back(recording);
       continue;
     }
     all[k] = known->second;
-    found.insert(known->first);
+    const std::string& other = found.emplace(known->first, recording).first->second;
+    if (other != recording)
+      throw FileError(origins.table, "the row '" + printable(known->first) + "' is of '" + printable(other) +
+                                         "' and of '" + printable(recording) +
+                                         "'; write the path of each, a row for each");
   }
   for (const auto& [name, origin] : origins.by_recording)
     if (!found.contains(name)) without_samples.push_back(name);

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The first screen: the answer in a few sentences, the picture of eps against speed, the sound; then the questions.
 
-/// Recordings by file name where that tells them apart: "a.wav" for "/home/me/a.wav".
-const fileName = path => String(path).replace(/^.*[/\\]/, '') || String(path);
+/// Recordings by the shortest end of their path that no other has: "a.wav" for "/home/me/a.wav".
 const recordingPaths = [...new Set([...((summary && summary.recordings) || []), ...((fit && fit.recordings) || []), wave || {}].map(r => r.recording).filter(Boolean))];
-const namesDiffer = new Set(recordingPaths.map(fileName)).size === recordingPaths.length;
-const shownName = path => namesDiffer ? fileName(path) : path;
-const withoutPaths = text => namesDiffer ? [...recordingPaths].sort((a, b) => b.length - a.length).reduce((t, path) => t.replaceAll(path, fileName(path)), text) : text;
+const endsOf = path => path.split(/[/\\]/).map((_, k, parts) => parts.slice(parts.length - 1 - k).join('/')).filter(Boolean);
+const pathsWith = new Map();
+for (const end of recordingPaths.flatMap(endsOf)) pathsWith.set(end, (pathsWith.get(end) || 0) + 1);
+const shownName = path => endsOf(String(path)).find(end => !(pathsWith.get(end) > 1)) || path;
+const withoutPaths = text => [...recordingPaths].sort((a, b) => b.length - a.length).reduce((t, path) => t.replaceAll(path, shownName(path)), text);
 
 const lengthText = h => !known(h) ? '–' : h < 0.01 ? `${number(1e3 * h, 2)} mm` : h < 1 ? `${number(1e2 * h, 2)} cm` : `${number(h, 2)} m`;
 const heightText = seen => seen.drop_heights_m ? `${lengthText(seen.drop_heights_m[0])} to ${lengthText(seen.drop_heights_m[1])}` : lengthText(seen.drop_height_m) + (seen.drop_height_ci95_m ? ` (${lengthText(seen.drop_height_ci95_m[0])} to ${lengthText(seen.drop_height_ci95_m[1])})` : '');

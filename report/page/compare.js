@@ -43,10 +43,10 @@ function drawCampaign(parent, c, points) {
     const fill = share => color.replace(/^#(..)(..)(..)$/, (_, ...parts) => `rgba(${parts.slice(0, 3).map(p => parseInt(p, 16)).join(',')},${share})`);
     const isOfIt = k => points.plate[k] ? points.plate[k] === name : points.recording[k] === name || points.recording[k].endsWith('/' + name);
     const of = groups.length ? inside.filter(isOfIt) : inside;
-    if (places.length && next) traces.push({...along(next[0], next[1], fill(.08), groups.length ? `${name}: 95 % of recordings` : '95 % of recordings'), showlegend: !groups.length});
+    if (places.length && next) traces.push({...along(next[0], next[1], fill(.08), groups.length ? `${name}: 95 % of its recordings` : '95 % of recordings'), showlegend: !groups.length});
     if (places.length && tau > 0 && c.eps) traces.push(along(eps - tau, eps + tau, fill(.18), 'pooled ε ± τ'));
     traces.push(trace(of, name, {size: many ? 3.5 : 6.5, color, opacity: many ? 0.6 : 1}, !many));
-    if (c.drift && eps !== null) traces.push({x: [begin, end].map(at), y: [eps + line(begin), eps + line(end)], type: 'scatter', mode: 'lines', name: groups.length ? `${name}: straight line` : 'straight line', line: {color: groups.length ? color : red, width: 2}, hoverinfo: 'skip', showlegend: !groups.length});
+    if (c.drift && eps !== null) traces.push({x: [begin, end].map(at), y: [eps + line(begin), eps + line(end)], type: 'scatter', mode: 'lines', name: groups.length ? `${name}: the drift` : 'straight line', line: {color: groups.length ? color : red, width: 2}, hoverinfo: 'skip', showlegend: !groups.length});
   });
   // bands and lines are alike but for the colour of their group
   if (groups.length && levels.some(g => g.next)) traces.push(inLegend({name: 'band of each: 95 % of its recordings', fill: 'toself', fillcolor: 'rgba(120,132,145,.25)', line: {width: 0}}));
@@ -76,16 +76,16 @@ function groupsSection(c) {
         `ε at ${speed(groups[0].v_mps)}.`);
 }
 
-/// Mean offsets of plates or days from eps of all.
-function drawGroups(parent, grouping, isDay) {
+/// Mean offsets of plates or days from eps of all, of days where plates have their own from that.
+function drawGroups(parent, grouping, isDay, reference) {
   const rows = grouping.rows, x = rows.map(r => r.name);
   const sd = grouping.deviation && grouping.deviation.value;
   const traces = [];
   if (sd > 0 && isDay) traces.push(straightBand(x[0], x.at(-1), -sd, sd, 0, 'rgba(31,95,168,.14)', '± standard deviation between days'));
   traces.push({x, y: rows.map(r => r.offset), type: 'scatter', mode: 'markers', name: isDay ? 'days' : 'plates', marker: {size: rows.length > 150 ? 4 : 8, color: blue},
                error_y: {type: 'data', array: rows.map(r => r.se), thickness: 1.2, width: rows.length > 40 ? 0 : 3, color: blue}, text: rows.map(r => number(r.n)),
-               hovertemplate: '%{x}<br>%{y:.2e} off ε of all<br>%{text} recordings<extra></extra>'});
-  draw(parent, 'low', traces, {showlegend: false, xaxis: axis(isDay ? 'day' : 'plate', {type: isDay ? 'date' : 'category'}), yaxis: axis('offset from<br>ε of all', {exponentformat: 'power'}),
+               hovertemplate: '%{x}<br>%{y:.2e} off ' + reference + '<br>%{text} recordings<extra></extra>'});
+  draw(parent, 'low', traces, {showlegend: false, xaxis: axis(isDay ? 'day' : 'plate', {type: isDay ? 'date' : 'category'}), yaxis: axis('offset from<br>' + reference, {exponentformat: 'power'}),
                                shapes: [{type: 'line', xref: 'paper', x0: 0, x1: 1, y0: 0, y1: 0, line: {color: red, width: 1.4}}]});
 }
 
@@ -116,8 +116,8 @@ function drawDifferences(parent, d) {
 /// Two to four plates or recordings: by what they differ.
 function differencesSection(d) {
   if (!d || !d.rows.length) return;
-  const by = d.ndf > 0 ? `Intervals include how ${d.unit} within a group differ (Student’s t with ${number(d.ndf)} degrees of freedom).`
-                       : 'How drops of one group differ is not known: there is one in each.';
+  const by = d.rows[0].ndf > 0 ? `Intervals include how ${d.unit} within a group differ (Student’s t).`
+                               : 'How drops of one group differ is not known: there is one in each.';
   drawDifferences(figure('differences', `By what they differ: ${d.rows.map(r => `${r.group} less ${r.reference}`).join(', ')}`, 'Points: difference of ε at speeds that both reach, with 95 % intervals; on the line there is none. ' + by), d);
   const node = (name, v) => d.groups.find(g => g.name === name).nodes.find(n => n.v_mps === v);
   for (const row of d.rows)
@@ -141,7 +141,7 @@ function comparisonTables(c, points) {
   table('Recordings, those furthest off first', ['recording', '', 'when', ...(points.plate.some(Boolean) ? ['plate'] : []), 'samples', 'ε', 'offset', 'sd off'],
         order.map(k => [points.recording[k] || '(no name)', points.outlier[k] ? 'outlier' : '', when(k), ...(points.plate.some(Boolean) ? [points.plate[k] || '–'] : []), number(points.n_samples[k]), measured(points.eps[k], points.se[k]),
                         significant(points.offset[k]), points.standardised[k].toFixed(2)]),
-        `ε at ${speed(c.v_mps)} with the error of the recording alone; offset from ε of all; sd off: how many standard deviations it is off what the other recordings predict of it.` +
+        `ε at ${speed(c.v_mps)} with the error of the recording alone; offset from ${ownGroups(c).length ? 'the mean ε' : 'ε of all'}; sd off: how many standard deviations it is off what the other recordings predict of it.` +
         (points.n > order.length ? ` The ${order.length} furthest off of ${number(points.n)}; all are in comparison.csv.` : ''));
   table('Recordings that could not be used', ['recording', 'samples', 'why'], c.not_used.slice(0, most).map(r => [r.recording || '(no name)', number(r.n), element('span', {class: 'words'}, r.message)]),
         c.not_used.length > most ? `The first ${most} of ${number(c.not_used.length)}; all are in comparison.csv.` : '');
@@ -164,10 +164,11 @@ function comparisonPage(c, points) {
   groupsSection(c);
   differencesSection(c.differences);
   if (c.status !== 'ok') return comparisonTables({...c, heterogeneity: null, tau: null}, points);
+  const ofAll = ownGroups(c).length ? 'ε of its plate' : 'ε of all';
   if (c.plates.rows.length > 1 && !ownGroups(c).length)
-    drawGroups(figure('plates', 'By plate', 'Mean offset of each plate’s recordings from ε of all, with its standard error; drift taken out.'), c.plates, false);
+    drawGroups(figure('plates', 'By plate', 'Mean offset of each plate’s recordings from ε of all, with its standard error; drift taken out.'), c.plates, false, 'ε of all');
   if (c.days.rows.length > 1)
-    drawGroups(figure('days', 'By day', 'Mean offset of each day’s recordings from ε of all, with its standard error; plates taken out, drift not.'), c.days, true);
+    drawGroups(figure('days', 'By day', `Mean offset of each day’s recordings from ${ofAll}, with its standard error; plates taken out, drift not.`), c.days, true, ofAll);
   if (ownGroups(c).some(g => g.nodes.length > 1) || (c.nodes || []).length > 1)
     drawNodes(figure('speeds', 'ε against impact speed', (ownGroups(c).length ? 'Points: ε of each' : 'Points: ε of all; band: where one more recording is expected, 95 %. Bars') + (ownGroups(c).length ? ' with its 95 % interval.' : ': 95 % intervals.')), c);
   comparisonTables(c, points);

@@ -60,7 +60,7 @@ void take(const std::vector<Note>& notes, FitInWords& words) {
     return;
   }
   const auto first = std::find_if(notes.begin(), notes.end(), [&](const Note& note) {
-    const bool is_said = !answer.at && note.kind == NoteKind::recordings_differ;
+    const bool is_said = !answer.at && note.kind == NoteKind::recordings_differ && note.recording.empty();
     return (severity_of(note.kind) == Severity::warning && !is_said) || note.kind == NoteKind::uncertain_air ||
            note.kind == NoteKind::uncertain_contact;
   });

@@ -201,8 +201,8 @@ std::vector<std::string> of_difference(const GroupDifference& row, GroupUnit uni
   Estimate size = row.eps;
   size.value = std::abs(size.value);
   if (!is_greater) size.ci95 = {-row.eps.ci95->hi, -row.eps.ci95->lo};
-  const std::string higher = "ε of " + printable(is_greater ? b : a) + " is " + fit::in_words(size.value, size.se) +
-                             " (" + interval_known(size) + ") above that of " + printable(is_greater ? a : b) +
+  const std::string higher = "ε of " + printable(b) + " is " + fit::in_words(size.value, size.se) + " (" +
+                             interval_known(size) + (is_greater ? ") above" : ") below") + " that of " + printable(a) +
                              at_the_speeds(row, is_greater ? 1.0 : -1.0);
   const std::string of_one = std::string(to_string(unit)) + (are_plates ? " of one plate" : " of one recording");
   if (!row.p_value)
@@ -241,6 +241,12 @@ std::vector<std::string> in_words(const BetweenRecordings& between, const std::v
                                      " over " + n_recordings(between.n_used - between.n_outliers), between.prediction95,
                                      "recording"));
   sentences.push_back(of_deviation(between.tau, "recording", " beyond the errors of each"));
+  if (const auto& unequal = between.unequal_scatter)
+    sentences.push_back(
+        formatted("Recordings of %s scatter more than those of %s (standard deviations %.2g and %.2g; %s): one for all "
+                  "is too little for the one and too much for the other; compare each plate alone.",
+                  printable(unequal->widest).c_str(), printable(unequal->narrowest).c_str(), unequal->sd_widest,
+                  unequal->sd_narrowest, p_in_words(unequal->p_value).c_str()));
   sentences.push_back(of_drift(between));
   sentences.push_back(of_outliers(between, recordings));
   for (const auto& [grouping, name] : {std::pair{&between.plates, "plate"}, {&between.days, "day"}})

@@ -167,7 +167,8 @@ constexpr Wording kWordings[]{
     {Kind::dates_missing, detail, "{0} of {1} recordings have no date and do not count for the drift"},
     {Kind::one_date, detail, "all recordings have the same date: a drift cannot be seen"},
     {Kind::plates_are_times, detail,
-     "each plate has a time of its own, so plates and a drift cannot be told apart; measure the plates in turn"},
+     "{s} were measured one after the other, so what they differ by and a drift can hardly be told apart; measure the "
+     "plates in turn, or state the times if they were (--groups)"},
     {Kind::rows_without_samples, warning, "{s}"},
     {Kind::no_row, warning, "{s}"},
     {Kind::group_too_small, detail, "{s} has {0} usable {0|sample|samples}: at least {1} are needed"},

@@ -203,12 +203,34 @@ std::optional<Note> note_of_repeated_drops(const RestitutionSamples& used) {
           (repeated.size() > 1 ? formatted(", and so have %zu more drops of others", repeated.size() - 1) : "")};
 }
 
+/// Of a plate: which of its recordings are off, and by what.
+static Note note_of_recordings_within(const RecordingFit& plate) {
+  const WithinPlate& within = *plate.within;
+  std::vector<std::string> names;
+  for (const NamedEstimate& offset : within.offsets) names.push_back(offset.name);
+  names = short_names(names);
+  const auto [least, greatest] =
+      std::minmax_element(within.offsets.begin(), within.offsets.end(),
+                          [](const auto& a, const auto& b) { return a.estimate.value < b.estimate.value; });
+  const auto of = [&](auto offset) {
+    return formatted("%+.2g (", offset->estimate.value) +
+           printable(names[static_cast<std::size_t>(offset - within.offsets.begin())]) + ")";
+  };
+  return {NoteKind::recordings_differ,
+          {static_cast<double>(within.test.n_recordings), within.test.p_value, 1.0},
+          "they are off its ε by " + of(least) + " to " + of(greatest) +
+              ", and compare --groups counts this and names outliers",
+          printable(plate.recording)};
+}
+
 std::vector<Note> notes_of(const FitResult& result, const RestitutionSamples& samples, UseMemory memory) {
   LeftOut left_out;
   const PartOfSamples part = usable_samples(samples, left_out);
   const RestitutionSamples& used = *part;
   Notes notes = result.law.notes;
   if (auto differ = note_of_difference(result.recordings)) notes.push_back(*std::move(differ));
+  for (const RecordingFit& row : result.recordings.rows)
+    if (disagree_within(row)) notes.push_back(note_of_recordings_within(row));
   if (result.kinds_of_drops && result.is_one_ball) notes.push_back(note_of(*result.kinds_of_drops));
   note_all_samples(used, left_out, !result.recordings.plates.empty(), notes);
   note_drops_that_differ(result, notes);

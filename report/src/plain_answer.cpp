@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <map>
 
 #include "bouncelab/core/ball.hpp"
@@ -112,12 +111,18 @@ std::optional<double> common_speed(const std::vector<RecordingFit>& rows) {
   return best.empty() ? std::nullopt : std::optional(best[best.size() / 2]);
 }
 
-std::string file_name(const std::string& recording) {
-  return recording.empty() ? "without name" : printable(std::filesystem::path(recording).filename().string());
+/// What the rows are called in sentences: plates by their names.
+std::vector<std::string> names_of(const Recordings& recordings) {
+  std::vector<std::string> names;
+  for (const RecordingFit& row : recordings.rows) names.push_back(row.recording);
+  if (recordings.plates.empty()) names = short_names(names);
+  for (std::string& name : names) name = name.empty() ? "without name" : printable(name);
+  return names;
 }
 
 /// "ε at 0.5 m/s runs from 0.91 (a.wav) to 0.93 (b.wav)"; of recordings that no two have a common speed of, offsets.
-std::string extremes(const std::vector<RecordingFit>& rows) {
+std::string extremes(const Recordings& recordings) {
+  const std::vector<RecordingFit>& rows = recordings.rows;
   using ValueOf = std::pair<double, const RecordingFit*>;
   std::vector<ValueOf> values;
   std::string what = "the difference from the common curve";
@@ -135,8 +140,9 @@ std::string extremes(const std::vector<RecordingFit>& rows) {
   if (values.size() < 2) return {};
   const auto [least, greatest] = std::minmax_element(
       values.begin(), values.end(), [](const ValueOf& a, const ValueOf& b) { return a.first < b.first; });
-  const auto in_brackets = [](const ValueOf& value) {
-    return formatted("%.4f (", value.first) + file_name(value.second->recording) + ")";
+  const std::vector<std::string> names = names_of(recordings);
+  const auto in_brackets = [&](const ValueOf& value) {
+    return formatted("%.4f (", value.first) + names[static_cast<std::size_t>(value.second - rows.data())] + ")";
   };
   return what + " runs from " + in_brackets(*least) + " to " + in_brackets(*greatest);
 }
@@ -150,9 +156,11 @@ std::vector<RecordingAnswer> answers_by_recording(const FitResult& result, const
   std::map<std::string, RestitutionSamples> of;
   for (auto& [name, of_row] : by_row(samples, result.recordings.plates)) of[name] = std::move(of_row);
   const std::optional<double> v_mps = common_speed(result.recordings.rows);
+  const std::vector<std::string> names = names_of(result.recordings);
   std::vector<RecordingAnswer> answers;
   for (const RecordingFit& row : result.recordings.rows) {
     RecordingAnswer answer{row.recording,
+                           names[answers.size()],
                            {},
                            row.nodes.empty() && row.law.why ? in_words(*row.law.why) : "",
                            drops_seen(of[row.recording], row.heights)};
@@ -225,7 +233,7 @@ const char* noun(const Recordings& recordings) { return !recordings.plates.empty
 /// Where recordings differ by more than chance, or cannot be compared: their range instead of a value.
 std::string of_range(const Recordings& recordings) {
   if (const auto differ = note_of_difference(recordings)) return as_sentence(*differ);
-  const std::string range = extremes(recordings.rows);
+  const std::string range = extremes(recordings);
   return formatted("Whether the %zu %s agree is not known, since each has too few bounces: ", recordings.rows.size(),
                    noun(recordings)) +
          range + (range.empty() ? "" : "; ") + "use the value of each (--pool makes one value of all).";
@@ -313,9 +321,9 @@ std::string interval_in_words(const Estimate& e) {
 }
 
 std::string in_words(const RecordingAnswer& recording) {
-  const std::string name = file_name(recording.recording) + ": ";
-  return recording.at ? name + "ε = " + with_interval(recording.at->eps) + " at " + speed(recording.at->v_mps)
-                      : name + recording.missing;
+  return recording.name + ": " +
+         (recording.at ? "ε = " + with_interval(recording.at->eps) + " at " + speed(recording.at->v_mps)
+                       : recording.missing);
 }
 
 std::optional<Note> note_of_difference(const Recordings& recordings) {
@@ -323,7 +331,7 @@ std::optional<Note> note_of_difference(const Recordings& recordings) {
   const RecordingsTest& test = *recordings.test;
   return Note{NoteKind::recordings_differ,
               {static_cast<double>(test.n_recordings), test.p_value, !recordings.plates.empty() ? 2.0 : 1.0},
-              extremes(recordings.rows)};
+              extremes(recordings)};
 }
 
 std::string in_words(const Recordings& recordings) {
@@ -334,8 +342,8 @@ std::string in_words(const Recordings& recordings) {
                      noun(recordings));
   const RecordingsTest& test = *recordings.test;
   return formatted("the %zu %s agree (p = %.2g", test.n_recordings, noun(recordings), test.p_value) +
-         (test.within == WithinUnit::drops
-              ? " by the differences between drops)"
+         (test.within != WithinUnit::samples
+              ? std::string(" by the differences between ") + to_string(test.within) + ")"
               : " if all impacts are independent; too few drops to know whether they are)");
 }
 

@@ -168,7 +168,7 @@ TEST_F(CompareCommand, TwoSoundsOnTwoPlatesAreAnalysedAndToldApartIfTheyHaveSeve
   EXPECT_THAT(result.out, testing::StartsWith("glass.wav and wood.wav differ by more than drops of one recording do"));
   const auto d = comparison()["differences"];
   EXPECT_EQ(d["unit"], "drops");
-  EXPECT_EQ(d["ndf"], 4.0);
+  EXPECT_EQ(d["rows"][0]["ndf"], 4.0);
   const auto& row = d["rows"][0];
   EXPECT_NEAR(row["eps"]["value"].number(), -0.1, 2e-3);  // drops differ by 1e-3
   EXPECT_LT(row["p_value"].number(), 1e-4);
@@ -189,7 +189,7 @@ TEST_F(CompareCommand, NamesRowsWithoutARecordingAndRecordingsWithoutARow) {
   write("wood.wav", sound_of(2, 0.80));
   write("other.wav", sound_of(2, 0.85));
   write("g.csv", "recording,plate\nglass.wav,window\nwood.wav,table\nlost.wav,table\n");
-  const Result result = run("compare ./glass.wav wood.wav other.wav --groups g.csv --out o");
+  const Result result = run("compare ./glass.wav wood.wav g.csv.meta.json other.wav --groups g.csv --out o");
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_THAT(result.err, testing::HasSubstr("1 of the 3 recordings ('lost.wav') of g.csv has no samples"));
   EXPECT_THAT(result.err, testing::HasSubstr("1 of the 3 recordings ('other.wav') has no row in g.csv"));
@@ -214,6 +214,11 @@ TEST_F(CompareCommand, BadInputGetsOneLine) {
   expect_one_line_error(run("compare s.csv --groups dates.csv --out o"), 3, {"dates.csv", "line 2", "2026-02-30"});
   write("twice.csv", "recording,plate\na,x\na,y\n");
   expect_one_line_error(run("compare s.csv --groups twice.csv --out o"), 3, {"twice.csv", "line 3", "'a'", "twice"});
+  write("same.csv", "recording,v_mps,eps\ngranite/1/a,0.5,0.97\nsteel/1/a,0.5,0.98\nsteel/2/b,0.5,0.98\n");
+  write("g.csv", "recording,plate\n1/a,x\nb,y\n");
+  for (const std::string command : {"compare", "fit"})
+    expect_one_line_error(run(command + " same.csv --groups g.csv --out o.json"), 3,
+                          {"g.csv", "'1/a'", "'granite/1/a' and of 'steel/1/a'", "write the path"});
   write("neither.csv", "recording,colour\na,x\n");
   expect_one_line_error(run("compare s.csv --groups neither.csv --out o"), 3, {"neither.csv", "plate", "date"});
 }

@@ -5,6 +5,7 @@
 #include <sstream>
 #include <utility>
 
+#include "bouncelab/core/random.hpp"
 #include "program.hpp"
 
 namespace bouncelab::cli_test {
@@ -205,6 +206,36 @@ TEST_F(FitCommand, OfPlatesHasConstantsAndSlopesOfEach) {
   const Result partly = run(fit + "--groups other.csv --force");
   EXPECT_THAT(partly.err, testing::HasSubstr("2 of the 4 recordings ('r2', 'r3') have no row in other.csv"));
   EXPECT_EQ(found()["recordings"].size(), 3u);
+}
+
+TEST_F(FitCommand, RecordingsOfAPlateThatDifferAreSaidAndCount) {
+  constexpr double kOfBounces = 1.5e-3, kOfRecordings = 3e-3;
+  std::string samples = "recording,drop,v_mps,eps\n", plates = "recording,plate\n";
+  for (int k = 0; k < 12; ++k) {  // two equal plates; recordings of one of them differ
+    Random random(21, RandomStream::test, static_cast<std::uint64_t>(k));
+    const bool differs = k % 2 == 1;
+    const double offset = differs ? kOfRecordings * random.normal() : 0.0;
+    const std::string name = "r" + std::to_string(k);
+    plates += name + (differs ? ",wood\n" : ",glass\n");
+    for (int i = 0; i < 80; ++i)
+      samples += name + "," + std::to_string(i / 20) + "," + std::to_string(random.uniform(0.3, 2.0)) + "," +
+                 std::to_string(0.85 + offset + kOfBounces * random.normal()) + "\n";
+  }
+  write("s.csv", samples);
+  write("plates.csv", plates);
+  const Result result = run("fit s.csv --groups plates.csv --out fit.json --goodness-replicates 0");
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out + result.err, testing::HasSubstr("wood: the 6 recordings differ by more than chance"));
+  EXPECT_THAT(result.out + result.err, testing::Not(testing::HasSubstr("glass: the 6")));
+  const auto fit = json("fit.json");
+  EXPECT_EQ(fit["recordings_test"]["within"], "recordings");
+  EXPECT_GT(fit["recordings_test"]["p_value"].number(), 0.01);
+  for (std::size_t k = 0; k < 2; ++k) {
+    const auto& row = fit["recordings"][k];
+    // 480 samples scatter by 7e-5 together, six recordings of wood by 1.2e-3
+    const double expected = row["recording"] == "wood" ? kOfRecordings / std::sqrt(6.0) : kOfBounces / std::sqrt(480.0);
+    EXPECT_NEAR(std::log(row["nodes"][row["nodes"].size() / 2]["se"].number() / expected), 0.0, std::log(2.5));
+  }
 }
 
 TEST_F(FitCommand, ACurveThatBelongsToNoBallIsNotWrittenAndThatIsSaid) {

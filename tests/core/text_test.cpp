@@ -68,6 +68,13 @@ TEST(Printable, EveryMessageIsOneLineOfThousandCharactersAtMost) {
   EXPECT_STREQ(FileExists("a\nb").what(), "a\\nb: exists already");
 }
 
+TEST(ShortNames, AreTheShortestEndsThatNoOtherPathHas) {
+  EXPECT_EQ(short_names({"/me/a.wav", "b.wav", "x/c", "y/c", "c", "p/x/c", "y/c", "", "d/"}),
+            (std::vector<std::string>{"a.wav", "b.wav", "x/c", "y/c", "c", "p/x/c", "y/c", "", "d/"}));
+  EXPECT_EQ(short_names({"rec/granite/1/a", "rec/steel/1/a", "rec/steel/2/a"}),
+            (std::vector<std::string>{"granite/1/a", "steel/1/a", "2/a"}));
+}
+
 TEST(DecodedText, IsTheSameInPiecesOfAnySize) {
   const std::string utf8 = "Zeit;\xC3\xA4\xE2\x82\xAC\xF0\x9F\x98\x80\n";
   const std::u16string utf16 = u"\uFEFFZeit;\u00E4\u20AC\U0001F600\n";

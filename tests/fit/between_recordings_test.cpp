@@ -29,6 +29,7 @@ struct Campaign {
   std::size_t n_days = 20, n_plates = 1;
   double least_error = 1e-4, greatest_error = 3e-4;  ///< of a value at a node
   std::uint64_t seed = 1;
+  bool in_turn = true;  ///< false: all of a plate, and then all of the next
 };
 
 constexpr double kSpeeds_mps[] = {0.25, 0.63, 1.25};
@@ -43,7 +44,8 @@ std::vector<CampaignRecording> drawn(const Campaign& campaign) {
   std::vector<CampaignRecording> recordings;
   for (std::size_t k = 0; k < campaign.n; ++k) {
     CampaignRecording r;
-    const std::size_t day = k * campaign.n_days / campaign.n, plate = k % campaign.n_plates;
+    const std::size_t day = k * campaign.n_days / campaign.n,
+                      plate = campaign.in_turn ? k % campaign.n_plates : k * campaign.n_plates / campaign.n;
     r.summary.recording = "r" + std::to_string(k);
     r.summary.status = FitStatus::ok;
     r.summary.n = 100;
@@ -297,6 +299,76 @@ TEST(CompareCampaign, OfPlatesThatDifferEachHasItsOwnEpsAndTheNextRecordingOfItI
     for (const double good : {n_eps, n_next}) EXPECT_GE(good, test::fewest_of(n, 0.95));
     EXPECT_LE(n_next, n_seeds < 300 ? n : 0.99 * n) << "an interval that is too wide";
   }
+}
+
+TEST(CompareCampaign, OfPlatesOneAfterTheOtherKnowsThatADriftMovesThemApart) {
+  // few recordings of two plates; with a drift; with days; of so many plates that they are a random effect
+  for (const Campaign& campaign :
+       {Campaign{.n = 12, .n_days = 12, .n_plates = 2, .in_turn = false},
+        Campaign{.n = 20, .slope_per_day = 1e-4, .n_days = 20, .n_plates = 2, .in_turn = false},
+        Campaign{.n = 60, .sd_day = 3e-4, .n_days = 12, .n_plates = 3, .in_turn = false},
+        Campaign{.n = 48, .n_days = 24, .n_plates = 8, .in_turn = false}}) {
+    SCOPED_TRACE(campaign.n);
+    const auto n_seeds = test::repetitions<std::size_t>(40, 300);
+    std::vector<std::array<double, 3>> found(n_seeds);  // differences held at the middle and at one end, differ
+    parallel_for(n_seeds, 0, [&](std::size_t k) {
+      Campaign one = campaign;
+      one.seed = 9000 + k;
+      const GroupDifferences differences = compare_campaign(drawn(one)).differences.value();
+      found[k][2] = differences.differ;
+      if (campaign.n_plates > kMostGroups) return;
+      const GroupDifference& row = differences.rows.at(0);
+      found[k][0] = contains(*row.eps.ci95, 0.0);
+      found[k][1] = contains(*row.nodes.at(0).eps.ci95, 0.0);
+    });
+    std::array<double, 3> n{};
+    for (const auto& one : found)
+      for (std::size_t i = 0; i < 3; ++i) n[i] += one[i];
+    const auto all = static_cast<double>(n_seeds);
+    EXPECT_LE(n[2], test::most_of(all, 0.05));
+    if (campaign.n_plates > kMostGroups) continue;
+    EXPECT_GE(n[0], test::fewest_of(all, 0.95));
+    EXPECT_GE(n[1], test::fewest_of(all, 0.95));
+  }
+}
+
+TEST(CompareCampaign, SaysThatPlatesScatterUnequally) {
+  const auto n_seeds = test::repetitions<std::size_t>(100, 1000);
+  std::array<double, 2> n{};
+  for (std::size_t k = 0; k < n_seeds; ++k)
+    for (const bool is_wide : {false, true}) {
+      std::vector<CampaignRecording> recordings =
+          drawn({.n = 16, .n_days = 16, .n_plates = 2, .least_error = 2e-5, .greatest_error = 5e-5, .seed = 300 + k});
+      Random random(300 + k, RandomStream::test, 5);
+      for (CampaignRecording& r : recordings) {
+        const double offset = 3e-3 * random.normal();  // ten times tau
+        if (is_wide && r.origin.plate == "plate 1")
+          for (NodeEstimate& node : r.summary.nodes) node.eps.value += offset;
+      }
+      const BetweenRecordings found = compare_campaign(recordings);
+      n[is_wide] += found.unequal_scatter.has_value();
+      EXPECT_TRUE(!is_wide || !found.unequal_scatter || found.unequal_scatter->widest == "plate 1");
+    }
+  EXPECT_LE(n[0], test::most_of(static_cast<double>(n_seeds), 0.01));
+  EXPECT_GE(n[1], test::fewest_of(static_cast<double>(n_seeds), 0.95));
+}
+
+TEST(CompareCampaign, SaysThatPlatesWereMeasuredOneAfterTheOther) {
+  const auto note_of = [](const Campaign& campaign, bool is_dated) {
+    std::vector<CampaignRecording> recordings = drawn(campaign);
+    for (CampaignRecording& r : recordings)
+      if (!is_dated) r.origin.date.reset();
+    for (const Note& note : compare_campaign(recordings).notes)
+      if (note.kind == NoteKind::plates_are_times) return note.subject;
+    return std::string();
+  };
+  for (const bool is_dated : {true, false}) {
+    EXPECT_EQ(note_of({.n = 12, .n_days = 12, .n_plates = 3, .in_turn = false}, is_dated), "plate 0 and plate 2");
+    EXPECT_EQ(note_of({.n = 24, .n_days = 24, .n_plates = 8, .in_turn = false}, is_dated), "the plates");
+    for (const std::size_t n_plates : {2, 3, 8}) EXPECT_EQ(note_of({.n = 24, .n_plates = n_plates}, is_dated), "");
+  }
+  // a day each: they are the drift, and no difference is stated
+  EXPECT_EQ(note_of({.n = 12, .n_days = 2, .n_plates = 2, .in_turn = false}, true), "plate 0 and plate 1");
 }
 
 TEST(CompareCampaign, OfHundredsOfRecordingsHasNoBiasThatTheirMeanShows) {

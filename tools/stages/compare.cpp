@@ -58,7 +58,12 @@ std::vector<Section> sections_of(CompareOptions& options) {
   return {{"", own, &options}, ball_section(options.restitution.world, "not known", {"restitution"})};
 }
 
-Outcome run_compare(const CompareOptions& options, const Run& run) {
+Outcome run_compare(const CompareOptions& given, const Run& run) {
+  CompareOptions options = given;
+  // a shell's FOLDER/* names the provenance beside recordings too
+  const auto is_provenance = [](const std::string& file) { return file.ends_with(".meta.json"); };
+  if (!std::all_of(options.samples.begin(), options.samples.end(), is_provenance))
+    std::erase_if(options.samples, is_provenance);
   const fs::path folder = options.out;
   const OutputFolder output_folder(folder);
   std::vector<fs::path> inputs(options.samples.begin(), options.samples.end());

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cstdarg>
 #include <cstdio>
+#include <map>
+#include <set>
 
 namespace bouncelab {
 std::size_t utf8_character(std::string_view text) {
@@ -157,6 +159,33 @@ std::string wrapped(std::string text, std::size_t width) {
     blank = std::string::npos;
   }
   return text;
+}
+
+std::vector<std::string> short_names(const std::vector<std::string>& paths) {
+  std::map<std::string_view, std::size_t> n_with;                          // end -> paths that end so
+  const auto for_each_end = [](std::string_view path, const auto& take) {  // the shortest first
+    for (std::size_t end = path.size(); end > 0;) {
+      const std::size_t slash = path.rfind('/', end - 1);
+      if (slash == std::string_view::npos || take(path.substr(slash + 1))) return;
+      end = slash;
+    }
+  };
+  const std::set<std::string_view> once(paths.begin(), paths.end());
+  for (const std::string_view path : once) {
+    ++n_with[path];
+    for_each_end(path, [&](std::string_view end) { return ++n_with[end], false; });
+  }
+  std::vector<std::string> names;
+  for (const std::string& path : paths) {
+    std::string_view name = path;
+    for_each_end(path, [&](std::string_view end) {
+      const bool is_found = !end.empty() && n_with[end] == 1;
+      if (is_found) name = end;
+      return is_found;
+    });
+    names.emplace_back(name);
+  }
+  return names;
 }
 
 std::string shell_word(std::string_view text) {

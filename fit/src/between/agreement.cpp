@@ -25,13 +25,14 @@ namespace bouncelab::fit {
 
 namespace {
 
-/// Samples by unit, which is a drop: columns of equal length.
+/// Samples by unit, which is a drop or a recording: columns of equal length.
 struct UnitSamples {
   std::vector<double> residual;          ///< of eps from a curve of all
   std::vector<double> weight;            ///< 1 / variance of the scatter and of the timing, but for a factor
   Eigen::MatrixXd curve;                 ///< a row a sample: what may be wrong about the curve, as d eps
   std::vector<std::size_t> group, unit;  ///< each sample's, from 0, none left out; a unit is of one group
   std::size_t n_groups = 0, n_units = 0;
+  bool are_recordings = false;  ///< the units
 };
 
 /// Means of the units, a constant of eps for each beside one curve by weighted least squares, and what they leave.
@@ -104,8 +105,9 @@ std::optional<Agreement> agreement(const UnitSamples& samples) {
   test.ndf = static_cast<double>(one.n_free - groups.n_free);
   double squares_within = groups.squares;
   test.ndf_within = static_cast<double>(groups.n_free);
-  if (groups.n_free >= drops.n_free + kFewestBetweenDrops && drops.n_free > 0) {
-    test.within = WithinUnit::drops;
+  const std::size_t fewest = samples.are_recordings ? 1 : kFewestBetweenDrops;
+  if (groups.n_free >= drops.n_free + fewest && drops.n_free > 0) {
+    test.within = samples.are_recordings ? WithinUnit::recordings : WithinUnit::drops;
     squares_within = std::max(0.0, groups.squares - drops.squares);
     test.ndf_within = static_cast<double>(groups.n_free - drops.n_free);
   }
@@ -130,6 +132,7 @@ using Row = std::pair<std::string, RestitutionSamples>;
 UnitSamples units_of(const std::vector<Row>& recordings, const std::vector<RecordingFit>& rows,
                      const LawFitConfig& config, const LawFit& pooled) {
   UnitSamples units;
+  units.are_recordings = std::any_of(rows.begin(), rows.end(), disagree_within);
   RestitutionSamples kept;
   std::map<std::tuple<std::size_t, std::string, std::int64_t>, std::size_t> numbers;
   for (std::size_t r = 0; r < recordings.size(); ++r) {
@@ -140,7 +143,7 @@ UnitSamples units_of(const std::vector<Row>& recordings, const std::vector<Recor
       kept.push_back(s);
       units.weight.push_back(1.0 / (pooled.scatter->variance(s.v_mps) + square(s.sigma_eps.value_or(0.0))));
       units.group.push_back(units.n_groups);
-      const auto name = std::tuple(units.n_groups, s.recording, s.drop);
+      const auto name = std::tuple(units.n_groups, s.recording, units.are_recordings ? 0 : s.drop);
       units.unit.push_back(numbers.try_emplace(name, numbers.size()).first->second);
     }
     ++units.n_groups;
@@ -155,6 +158,30 @@ UnitSamples units_of(const std::vector<Row>& recordings, const std::vector<Recor
   const double gamma = pooled.kind == LawKind::viscoelastic ? pooled.parameters.front().estimate.value : 1.0;
   units.curve = model.jacobian(v_mps, Eigen::VectorXd::Constant(model.n_parameters(), log(gamma)));
   return units;
+}
+
+/// @param plate   samples of all its recordings
+/// @param pooled  their fit
+std::optional<WithinPlate> within_plate(const RestitutionSamples& plate, const LawFitConfig& config,
+                                        const LawFit& pooled) {
+  if (!pooled.law || !pooled.scatter) return std::nullopt;
+  // of a recording that is off as a whole all are outliers of the plate, and count
+  std::map<std::string, std::size_t> n_of, n_out;
+  std::vector<bool> is_out(plate.size(), false);
+  for (const RestitutionSample& s : plate) ++n_of[s.recording];
+  for (const std::size_t k : pooled.outliers) is_out[k] = true, ++n_out[plate[k].recording];
+  RestitutionSamples kept;
+  for (std::size_t k = 0; k < plate.size(); ++k)
+    if (const std::string& name = plate[k].recording; !is_out[k] || 2 * n_out[name] > n_of[name])
+      kept.push_back(plate[k]);
+  std::vector<Row> recordings = by_row(kept, {});
+  std::erase_if(recordings, [](const Row& recording) { return recording.second.size() < kFewestOfRecording; });
+  const auto found = agreement(units_of(recordings, std::vector<RecordingFit>(recordings.size()), config, pooled));
+  if (!found) return std::nullopt;
+  WithinPlate within{found->test, {}};
+  for (std::size_t r = 0; r < recordings.size(); ++r)
+    within.offsets.push_back({recordings[r].first, found->offsets[r]});
+  return within;
 }
 
 /// @param windows  of its histograms; nullptr: none
@@ -201,7 +228,12 @@ std::vector<Row> by_row(const RestitutionSamples& samples, const Plates& plates)
 
 bool disagree(const Recordings& recordings) { return recordings.test && recordings.test->p_value < kDoubt; }
 
-const char* to_string(WithinUnit unit) { return unit == WithinUnit::drops ? "drops" : "samples"; }
+bool disagree_within(const RecordingFit& plate) { return plate.within && plate.within->test.p_value < kDoubt; }
+
+const char* to_string(WithinUnit unit) {
+  constexpr const char* kWords[]{"samples", "drops", "recordings"};
+  return kWords[static_cast<std::size_t>(unit)];
+}
 
 Recordings compare_recordings(const RestitutionSamples& samples, const LawFitConfig& config, const LawFit& pooled,
                               const HistogramConfig& windows, const Plates& plates) {
@@ -215,6 +247,9 @@ Recordings compare_recordings(const RestitutionSamples& samples, const LawFitCon
       result.rows[k] = row_of(recordings[k], config, has_windows ? &windows : nullptr, are_many);
     });
     if (!pooled.law || !pooled.scatter) return;
+    if (!plates.empty())
+      for (std::size_t k = 0; k < recordings.size(); ++k)
+        result.rows[k].within = within_plate(recordings[k].second, config, result.rows[k].law);
     if (const auto found = agreement(units_of(recordings, result.rows, config, pooled))) {
       result.test = found->test;
       auto next = found->offsets.begin();

@@ -143,11 +143,26 @@ class Pool {
   double weight(std::size_t k) const {
     return 1.0 / (square(judged_.deviations[0]) + judged_.data.variance[static_cast<Eigen::Index>(k)]);
   }
-  /// eps of a plate by the mean of its recordings, which the drift of all takes to the middle of the campaign; absent
-  /// where none of them is here.
+  /// eps of a plate in the middle of the campaign; absent where none of its recordings is here, or where plates and
+  /// drift are one.
   std::optional<GroupRestitution> of_plate(const std::string& name) const;
+  /// Of two plates that of_plate() has.
+  DifferenceOfTwo difference(const std::string& first, const std::string& second) const;
 
  private:
+  /// eps of a plate, or what two differ by. Of a plate that is a fixed effect all is in beta; else it is the mean of
+  /// its recordings, which the drift of all takes to the middle of the campaign.
+  struct OfPlates {
+    std::size_t n = 0;  ///< recordings
+    double value = 0.0;
+    Eigen::VectorXd of_beta;
+    double own_variance = 0.0;       ///< of the mean
+    double error_of_one = 0.0;       ///< of a recording of that
+    std::map<int, double> of_day{};  ///< shares of that
+  };
+  std::optional<OfPlates> mean_of_plate(const std::string& name) const;
+  DifferenceOfTwo estimate(const OfPlates& of, double more_variance = 0.0) const;
+
   const Design& design_;
   const Judged& judged_;
   OffsetSolution solution_;
@@ -155,33 +170,64 @@ class Pool {
   double factor_ = 1.0;
 };
 
-std::optional<GroupRestitution> Pool::of_plate(const std::string& name) const {
+std::optional<Pool::OfPlates> Pool::mean_of_plate(const std::string& name) const {
   const Eigen::Index n_fixed = judged_.data.n_fixed();
+  const GroupLabels& plates = design_.plates;
+  OfPlates of{0, 0.0, Eigen::VectorXd::Zero(n_fixed)};
   Eigen::RowVectorXd mean = Eigen::RowVectorXd::Zero(n_fixed + 1);  // of the rows, and of their values last
-  GroupRestitution group{name, 0, design_.v_mps, {}, {}, {}};
   double weights = 0.0;
-  std::map<int, double> of_day;
+  int plate = -1;
   for (std::size_t k = 0; k < judged_.kept.size(); ++k) {
     const auto row = static_cast<std::size_t>(judged_.kept[k]);
-    const int plate = design_.plates.of_recording[row];
-    if (plate < 0 || design_.plates.names[static_cast<std::size_t>(plate)] != name) continue;
+    const int of_row = plates.of_recording[row];
+    if (of_row < 0 || plates.names[static_cast<std::size_t>(of_row)] != name) continue;
+    plate = of_row;
     mean += weight(k) * judged_.data.h_and_m.row(static_cast<Eigen::Index>(k));
     weights += weight(k);
-    of_day[design_.days.of_recording[row]] += weight(k);
-    ++group.n;
+    of.of_day[design_.days.of_recording[row]] += weight(k);
+    ++of.n;
   }
-  if (group.n == 0) return std::nullopt;
+  if (of.n == 0 || design_.plates_are_times) return std::nullopt;
+  if (plates.effect == GroupEffect::fixed) {
+    of.of_day.clear();
+    of.of_beta = design_.of_plate(plate);
+    of.value = design_.base + of.of_beta.dot(solution_.beta());
+    return of;
+  }
   mean /= weights;
-  Eigen::VectorXd direction = Eigen::VectorXd::Zero(n_fixed);  // from the mean of the recordings to the middle
-  if (design_.has_drift) direction[n_fixed - 1] = -mean[n_fixed - 1];
-  double variance = 1.0 / weights + factor_ * congruence(direction, solution_.covariance())(0, 0);
-  for (const auto& [day, weight] : of_day) variance += square(deviation_of_days() * weight / weights);
-  const double value = design_.base + mean[n_fixed] + direction.dot(solution_.beta());
-  const double n_free = errors_.degrees_of_freedom_of_a_recording(std::sqrt(static_cast<double>(group.n) / weights));
-  group.eps = student_estimate(value, variance, n_free);
-  group.prediction95 =
-      student_estimate(value, variance + variance_of_a_recording() - square(deviation_of_plates()), n_free).ci95;
-  return group;
+  for (auto& [day, share] : of.of_day) share /= weights;
+  if (design_.has_drift) of.of_beta[n_fixed - 1] = -mean[n_fixed - 1];  // from the mean of the recordings to the middle
+  of.value = design_.base + mean[n_fixed] + of.of_beta.dot(solution_.beta());
+  of.own_variance = 1.0 / weights;
+  of.error_of_one = std::sqrt(static_cast<double>(of.n) / weights);
+  return of;
+}
+
+DifferenceOfTwo Pool::estimate(const OfPlates& of, double more_variance) const {
+  double variance = factor_ * congruence(of.of_beta, solution_.covariance())(0, 0) + of.own_variance + more_variance;
+  for (const auto& [day, share] : of.of_day) variance += square(deviation_of_days() * share);
+  const double n_free = of.own_variance > 0.0
+                            ? errors_.degrees_of_freedom_of_a_recording(of.error_of_one)
+                            : errors_.degrees_of_freedom(of.of_beta, more_variance > 0.0 ? std::sqrt(variance) : 0.0);
+  return {student_estimate(of.value, variance, n_free), n_free};
+}
+
+std::optional<GroupRestitution> Pool::of_plate(const std::string& name) const {
+  const std::optional<OfPlates> of = mean_of_plate(name);
+  if (!of) return std::nullopt;
+  const double of_another = variance_of_a_recording() - square(deviation_of_plates());
+  return GroupRestitution{name, of->n, design_.v_mps, estimate(*of).eps, estimate(*of, of_another).eps.ci95, {}};
+}
+
+DifferenceOfTwo Pool::difference(const std::string& first, const std::string& second) const {
+  const OfPlates reference = mean_of_plate(first).value();
+  OfPlates of = mean_of_plate(second).value();
+  of.value -= reference.value;
+  of.of_beta -= reference.of_beta;
+  of.own_variance += reference.own_variance;
+  of.error_of_one = hypot(of.error_of_one, reference.error_of_one) / std::sqrt(2.0);
+  for (const auto& [day, share] : reference.of_day) of.of_day[day] -= share;
+  return estimate(of);
 }
 
 void describe_deviations(BetweenRecordings& result, const Design& design, const Judged& judged) {
@@ -232,7 +278,7 @@ void describe_days(BetweenRecordings& result, const Design& design, const Judged
     const auto row = static_cast<std::size_t>(judged.kept[k]);
     const int day = design.days.of_recording[row], plate = design.plates.of_recording[row];
     if (day < 0) continue;
-    double left = judged.data.m()[static_cast<Eigen::Index>(k)] - beta[0] - design.plate_constant(beta, plate);
+    double left = judged.data.m()[static_cast<Eigen::Index>(k)] - design.of_plate(plate).dot(beta);
     if (design.plates.effect == GroupEffect::random) left -= pool.solution().effect(design.plate_grouping, plate);
     const auto d = static_cast<std::size_t>(day);
     ++rows[d].n;
@@ -244,6 +290,49 @@ void describe_days(BetweenRecordings& result, const Design& design, const Judged
     rows[d].se = 1.0 / std::sqrt(weights[d]);
   }
   std::erase_if(rows, [](const GroupRow& row) { return row.n == 0; });
+}
+
+/// Bartlett, Proc. R. Soc. A 160, 268 (1937), doi:10.1098/rspa.1937.0109.
+std::optional<UnequalScatter> unequal_scatter(const Design& design, const Judged& judged) {
+  constexpr double kUnlikely = 0.01;
+  constexpr std::size_t kFewestOfPlate = 4;
+  constexpr double kNone = 1e-12;  // of the square of the length of the campaign
+  // of each plate; one outlier is a bad recording, several are how a plate scatters
+  std::vector<std::vector<Eigen::Index>> rows(design.plates.names.size()), outliers(rows.size());
+  for (std::size_t r = 0; r < judged.rows.size(); ++r)
+    if (const int plate = design.plates.of_recording[r]; plate >= 0)
+      (judged.rows[r].is_outlier ? outliers : rows)[static_cast<std::size_t>(plate)].push_back(
+          static_cast<Eigen::Index>(r));
+  for (std::size_t p = 0; p < rows.size(); ++p)
+    if (outliers[p].size() > 1) rows[p].insert(rows[p].end(), outliers[p].begin(), outliers[p].end());
+  double n_plates = 0.0, n_free = 0.0, squares = 0.0, logs = 0.0, inverses = 0.0;
+  UnequalScatter found;
+  double most = -1.0, least = HUGE_VAL;
+  for (std::size_t p = 0; p < rows.size(); ++p) {
+    if (rows[p].size() < kFewestOfPlate) continue;
+    // about a straight line of its own: the drift of all has the scatter of the widest
+    const auto n = static_cast<Eigen::Index>(rows[p].size());
+    const Eigen::ArrayXd weight = (design.data.variance(rows[p]).array() + square(judged.deviations[0])).inverse();
+    const double weights = weight.sum();
+    Eigen::ArrayXd value = design.data.m()(rows[p]), time = Eigen::ArrayXd::Zero(n);
+    if (design.has_drift) time = design.data.h().col(design.data.n_fixed() - 1)(rows[p]);
+    value -= (weight * value).sum() / weights;
+    time -= (weight * time).sum() / weights;
+    const double of_time = (weight * time.square()).sum();
+    if (of_time > kNone * weights) value -= time * ((weight * time * value).sum() / of_time);
+    const double own = (weight * value.square()).sum();
+    const auto free = static_cast<double>(n - (of_time > kNone * weights ? 2 : 1));
+    const double variance = std::max(own / free, 1e-12);
+    const double sd = std::sqrt(variance * static_cast<double>(rows[p].size()) / weights);
+    ++n_plates, n_free += free, squares += own, logs += free * log(variance), inverses += 1.0 / free;
+    if (variance > most) most = variance, found.widest = design.plates.names[p], found.sd_widest = sd;
+    if (variance < least) least = variance, found.narrowest = design.plates.names[p], found.sd_narrowest = sd;
+  }
+  if (n_plates < 2.0) return std::nullopt;
+  const double correction = 1.0 + (inverses - 1.0 / n_free) / (3.0 * (n_plates - 1.0));
+  const double chi2 = (n_free * log(std::max(squares / n_free, 1e-12)) - logs) / correction;
+  found.p_value = chi2_survival(std::max(0.0, chi2), n_plates - 1.0);
+  return found.p_value < kUnlikely ? std::optional(found) : std::nullopt;
 }
 
 void describe_rows(BetweenRecordings& result, const Design& design, const Judged& judged, const Pool& pool) {
@@ -296,6 +385,9 @@ void describe_nodes(BetweenRecordings& result, const std::vector<CampaignRecordi
     if (!result.differences) continue;
     for (GroupRestitution& group : result.differences->groups)
       if (const auto here = pool.of_plate(group.name)) group.nodes.push_back({v_mps, here->eps});
+    for (GroupDifference& row : result.differences->rows)
+      if (pool.of_plate(row.reference) && pool.of_plate(row.group))
+        row.nodes.push_back({v_mps, pool.difference(row.reference, row.group).eps});
   }
 }
 
@@ -347,18 +439,22 @@ BetweenRecordings compare_campaign(const std::vector<CampaignRecording>& recordi
   describe_drift(result, design, pool, times.drift);
   describe_days(result, design, judged, pool);
   describe_rows(result, design, judged, pool);
+  result.unequal_scatter = unequal_scatter(design, judged);
   GroupDifferences plates;
   plates.unit = GroupUnit::recordings;
-  plates.ndf = static_cast<double>(judged.data.n() - judged.data.n_fixed());
   for (const std::string& name : design.plates.names) {
     auto group = pool.of_plate(name);
     if (!group) continue;
     result.plates.rows.push_back({name, group->n, group->eps.value - result.eps.value, *group->eps.se});
     plates.groups.push_back(*std::move(group));
   }
-  if (design.plates.effect != GroupEffect::none && plates.groups.size() > 1) result.differences = std::move(plates);
+  if (design.plates.effect != GroupEffect::none && plates.groups.size() > 1) {
+    add_pairs(plates, [&](std::size_t i, std::size_t j) {
+      return pool.difference(plates.groups[i].name, plates.groups[j].name);
+    });
+    result.differences = std::move(plates);
+  }
   describe_nodes(result, recordings, used, times);
-  if (result.differences) add_pairs(*result.differences);
   return result;
 }
 

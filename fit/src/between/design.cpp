@@ -2,10 +2,13 @@
 #include "between/offset_model.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <set>
+#include <string>
 #include <utility>
 
 #include "bouncelab/core/elementary.hpp"
+#include "bouncelab/core/text.hpp"
 #include "numerics/numerics.hpp"
 
 namespace bouncelab::fit {
@@ -58,22 +61,37 @@ void choose_groups(Design& design) {
     design.notes.push_back({NoteKind::few_days, {static_cast<double>(days.names.size())}});
 }
 
+/// Plates that were measured one after the other: two of a few, or all of many, since of many some always are.
+void note_plates_apart(Design& design, const std::vector<double>& time) {
+  const GroupLabels& plates = design.plates;
+  if (plates.effect == GroupEffect::none) return;
+  std::vector<Interval> times(plates.names.size(), {HUGE_VAL, -HUGE_VAL});
+  for (std::size_t r = 0; r < time.size(); ++r) {
+    if (plates.of_recording[r] < 0) continue;
+    Interval& of = times[static_cast<std::size_t>(plates.of_recording[r])];
+    of = {std::min(of.lo, time[r]), std::max(of.hi, time[r])};
+  }
+  const auto ends_first = std::min_element(times.begin(), times.end(), [](auto a, auto b) { return a.hi < b.hi; });
+  const auto begins_last = std::max_element(times.begin(), times.end(), [](auto a, auto b) { return a.lo < b.lo; });
+  if (!(ends_first->hi < begins_last->lo)) return;
+  const auto name = [&](auto of) { return printable(plates.names[static_cast<std::size_t>(of - times.begin())]); };
+  std::string who = name(ends_first) + " and " + name(begins_last);
+  if (plates.effect == GroupEffect::random) {
+    std::sort(times.begin(), times.end(), [](auto a, auto b) { return a.lo < b.lo; });
+    for (std::size_t k = 1; k < times.size(); ++k)
+      if (!(times[k - 1].hi < times[k].lo)) return;
+    who = "the plates";
+  }
+  design.notes.push_back({NoteKind::plates_are_times, {}, who});
+}
+
 /// 1, contrasts of plates, drift, and the values.
 void set_columns(Design& design, const Eigen::VectorXd& values, const Eigen::VectorXd& time) {
-  const bool has_plates = design.plates.effect == GroupEffect::fixed;
-  const auto n_plates = static_cast<Eigen::Index>(design.plates.names.size());
-  const Eigen::Index n_contrasts = has_plates ? n_plates - 1 : 0,
-                     n_columns = 1 + n_contrasts + (design.has_drift ? 1 : 0);
+  const Eigen::Index n_columns = design.of_plate(-1).size();
   OffsetData::Rows& h = design.data.h_and_m;
   h = OffsetData::Rows::Zero(values.size(), n_columns + 1);
-  h.col(0).setOnes();
-  for (Eigen::Index r = 0; has_plates && r < values.size(); ++r) {
-    const int plate = design.plates.of_recording[static_cast<std::size_t>(r)];
-    if (plate == n_plates - 1)
-      h.row(r).segment(1, n_contrasts).setConstant(-1.0);
-    else if (plate >= 0)
-      h(r, 1 + plate) = 1.0;
-  }
+  for (Eigen::Index r = 0; r < values.size(); ++r)
+    h.row(r).head(n_columns) = design.of_plate(design.plates.of_recording[static_cast<std::size_t>(r)]);
   if (design.has_drift) h.col(n_columns - 1) = time;
   h.col(n_columns) = values;
 }
@@ -98,10 +116,15 @@ bool is_determined(const OffsetData& data) {
   return scaled_eigenvalues(transposed_product(data.h(), data.h())).minCoeff() > 1e-8;
 }
 
-double Design::plate_constant(const Eigen::VectorXd& beta, int plate) const {
-  if (plates.effect != GroupEffect::fixed || plate < 0) return 0.0;
-  const auto n = static_cast<Eigen::Index>(plates.names.size());
-  return plate == n - 1 ? -beta.segment(1, n - 1).sum() : beta[1 + plate];
+Eigen::VectorXd Design::of_plate(int plate) const {
+  const auto n_contrasts = plates.effect == GroupEffect::fixed ? std::ssize(plates.names) - 1 : 0;
+  Eigen::VectorXd columns = Eigen::VectorXd::Zero(1 + n_contrasts + (has_drift ? 1 : 0));
+  columns[0] = 1.0;
+  if (plate == n_contrasts)
+    columns.segment(1, n_contrasts).setConstant(-1.0);
+  else if (plate >= 0 && n_contrasts > 0)
+    columns[1 + plate] = 1.0;
+  return columns;
 }
 
 const Estimate* eps_at(const RecordingSummary& summary, double v_mps) {
@@ -166,12 +189,13 @@ Design make_design(const std::vector<CampaignRecording>& recordings, const std::
   design.plates = labels_of(plates);
   design.days = labels_of(days);
   choose_groups(design);
+  note_plates_apart(design, time);
   const std::size_t n_plates = design.plates.effect == GroupEffect::fixed ? design.plates.names.size() : 1;
   design.has_drift = times.has_drift && design.of_row.size() >= n_plates + kFewestForDrift;
   set_columns(design, off, column(time));
   if (design.plates.effect == GroupEffect::fixed && !is_determined(design.data)) {
     design.plates.effect = GroupEffect::none;
-    design.notes.push_back({NoteKind::plates_are_times});
+    design.plates_are_times = true;
     set_columns(design, off, column(time));
   }
   add_groupings(design);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <functional>
 #include <optional>
 #include <set>
 #include <string>
@@ -26,24 +27,23 @@ constexpr std::size_t kFewestOfAGroup = 3;
 
 double half_width(const Estimate& e) { return 0.5 * (e.ci95->hi - e.ci95->lo); }
 
-/// Second less first: half widths of intervals in quadrature (Zou & Donner, Stat. Med. 27, 1693 (2008),
-/// doi:10.1002/sim.3095).
+/// Degrees of freedom of Student's t, also where units do not tell.
+double n_free(double ndf) { return ndf > 0.0 ? ndf : 1e9; }
+
+/// Second less first, which are independent: half widths of intervals in quadrature (Zou & Donner, Stat. Med. 27, 1693
+/// (2008), doi:10.1002/sim.3095).
 Estimate less(const Estimate& second, const Estimate& first, double ndf) {
-  const double se = hypot(half_width(first), half_width(second)) / student_t_quantile(0.975, ndf);
-  return student_estimate(second.value - first.value, square(se), ndf);
+  const double se = hypot(half_width(first), half_width(second)) / student_t_quantile(0.975, n_free(ndf));
+  return student_estimate(second.value - first.value, square(se), n_free(ndf));
 }
 
 /// @param n_pairs  that are judged together
-GroupDifference difference(const GroupRestitution& first, const GroupRestitution& second, double ndf, double n_pairs) {
-  constexpr double kMany = 1e9;  // degrees of freedom where units do not tell
-  const double n_free = ndf > 0.0 ? ndf : kMany;
-  GroupDifference row{first.name, second.name, first.v_mps, less(second.eps, first.eps, n_free), 0.0, {}, {}};
-  row.detectable = (student_t_quantile(0.975, n_free) + student_t_quantile(0.8, n_free)) * *row.eps.se;
-  for (const NodeEstimate& a : first.nodes)
-    for (const NodeEstimate& b : second.nodes)
-      if (a.v_mps == b.v_mps) row.nodes.push_back({a.v_mps, less(b.eps, a.eps, n_free)});
-  if (ndf > 0.0)
-    row.p_value = std::min(1.0, 2.0 * n_pairs * student_t_below(-std::abs(row.eps.value) / *row.eps.se, ndf));
+GroupDifference row_of(const GroupRestitution& first, const GroupRestitution& second, const DifferenceOfTwo& difference,
+                       double n_pairs) {
+  const auto& [eps, ndf] = difference;
+  GroupDifference row{first.name, second.name, first.v_mps, eps, ndf, 0.0, {}, {}};
+  row.detectable = (student_t_quantile(0.975, n_free(ndf)) + student_t_quantile(0.8, n_free(ndf))) * *eps.se;
+  if (ndf > 0.0) row.p_value = std::min(1.0, 2.0 * n_pairs * student_t_below(-std::abs(eps.value) / *eps.se, ndf));
   return row;
 }
 
@@ -64,7 +64,12 @@ Curve curve_of(const RestitutionSamples& samples, std::vector<double> speeds) {
   return SmoothCurve(samples, {known}, std::move(speeds)).curve();
 }
 
-/// Of the drops of one recording. @param ndf  as GroupDifferences has it
+const GroupRestitution& named(const GroupDifferences& differences, const std::string& name) {
+  return *std::find_if(differences.groups.begin(), differences.groups.end(),
+                       [&](const GroupRestitution& group) { return group.name == name; });
+}
+
+/// Of the drops of one recording. @param ndf  as GroupDifference has it
 GroupRestitution by_drops(const Group& group, const std::vector<double>& speeds, double ndf) {
   const Curve curve = curve_of(group.second, speeds);
   GroupRestitution result{group.first, curve.n_drops, speeds[speeds.size() / 2], {}, {}, {}};
@@ -82,13 +87,14 @@ GroupRestitution by_drops(const Group& group, const std::vector<double>& speeds,
 
 const char* to_string(GroupUnit unit) { return unit == GroupUnit::drops ? "drops" : "recordings"; }
 
-void add_pairs(GroupDifferences& differences) {
+void add_pairs(GroupDifferences& differences,
+               const std::function<DifferenceOfTwo(std::size_t first, std::size_t second)>& of) {
   const std::vector<GroupRestitution>& groups = differences.groups;
   const double n_pairs = 0.5 * static_cast<double>(groups.size()) * static_cast<double>(groups.size() - 1);
   const bool are_few = groups.size() <= kMostGroups;
   for (std::size_t i = 0; i < groups.size(); ++i)
     for (std::size_t j = i + 1; j < groups.size(); ++j) {
-      GroupDifference row = difference(groups[i], groups[j], differences.ndf, n_pairs);
+      GroupDifference row = row_of(groups[i], groups[j], of(i, j), n_pairs);
       differences.differ = differences.differ || row.p_value.value_or(0.0) < 0.05;
       if (are_few) differences.rows.push_back(std::move(row));
     }
@@ -115,9 +121,15 @@ GroupDifferences compare_groups(const std::vector<Group>& groups) {
   }
   std::vector<double> speeds = speeds_of_comparison(groups.front().second);
   std::erase_if(speeds, [lo = slowest_mps, hi = fastest_mps](double v_mps) { return v_mps < lo || v_mps > hi; });
-  result.ndf = static_cast<double>(n_drops - groups.size());
-  for (const Group& group : groups) result.groups.push_back(by_drops(group, speeds, result.ndf));
-  add_pairs(result);
+  const auto ndf = static_cast<double>(n_drops - groups.size());
+  for (const Group& group : groups) result.groups.push_back(by_drops(group, speeds, ndf));
+  add_pairs(result, [&](std::size_t i, std::size_t j) {
+    return DifferenceOfTwo{less(result.groups[j].eps, result.groups[i].eps, ndf), ndf};
+  });
+  for (GroupDifference& row : result.rows)
+    for (std::size_t k = 0; k < speeds.size(); ++k)
+      row.nodes.push_back(
+          {speeds[k], less(named(result, row.group).nodes[k].eps, named(result, row.reference).nodes[k].eps, ndf)});
   return result;
 }
 

@@ -143,10 +143,12 @@ struct Design {
   GroupLabels plates, days;         ///< of_recording by row
   bool has_drift = false;
   std::size_t plate_grouping = 0, day_grouping = 0;  ///< in data
+  /// Each plate has one time of its own: they are in the drift, and have no effect.
+  bool plates_are_times = false;
   std::vector<Note> notes;
 
-  /// What a plate adds by the fixed effects. @param plate  -1: none
-  double plate_constant(const Eigen::VectorXd& beta, int plate) const;
+  /// The columns of a plate in the middle of the campaign. @param plate  -1: none
+  Eigen::VectorXd of_plate(int plate) const;
 };
 
 /// eps of a recording at a speed of comparison; nullptr where it does not reach it.

@@ -121,6 +121,7 @@ Description members_of(const GroupDifference*) {
       member<&D::group>("group", "Another; all is of it less the reference"),
       member<&D::v_mps>("v_mps", "Speed"),
       member<&D::eps>("eps", "Estimate of the difference of ε there"),
+      member<&D::ndf>("ndf", "Degrees of freedom of Student's t; 0: how units of a group differ is not known"),
       member<&D::detectable>("detectable", "A difference there that such data show in four of five experiments"),
       member<&D::p_value>("p_value",
                           "Of so large a difference there by chance, if the groups differ as their units do; times the "
@@ -139,7 +140,6 @@ Description members_of(const GroupDifferences*) {
           "unit", [](const D& d) { return to_string(d.unit); },
           "By what differs within a group differences are judged: `recordings` where a plate has several, else "
           "`drops`"),
-      member<&D::ndf>("ndf", "Degrees of freedom of Student's t; 0: how units of a group differ is not known"),
       member<&D::groups>("groups", "ε of each, see below"),
       member<&D::rows>("rows", "Every pair of up to four groups, see below")};
   return all;

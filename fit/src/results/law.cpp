@@ -143,7 +143,8 @@ Description members_of(const RecordingsTest*) {
       member<&T::within>(
           "within",
           "What the differences are measured by: `drops`, the differences between drops of a recording, where these "
-          "have 10 degrees of freedom; else `samples`, as if all impacts were independent"),
+          "have 10 degrees of freedom; else `samples`, as if all impacts were independent; `recordings`, those between "
+          "the recordings of a plate, where these differ by more than chance"),
       member<&T::p_value>("p_value", "p")};
   return all;
 }

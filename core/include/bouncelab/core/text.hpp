@@ -28,6 +28,10 @@ inline constexpr std::size_t kMessage_characters = 1000;
 /// @return at most `limit` characters, valid UTF-8
 std::string printable(std::string_view text, std::size_t limit = kQuoted_characters);
 
+/// What recordings are called where they stand together: each by the shortest end of its path that no other path ends
+/// with ("a.wav" for "/home/me/a.wav"), else by the whole of it.
+std::vector<std::string> short_names(const std::vector<std::string>& paths);
+
 /// A text as one word of a POSIX shell: as it is, or within '...'.
 std::string shell_word(std::string_view text);
 

@@ -125,6 +125,14 @@ struct Grouping {
 };
 Description members_of(const Grouping*);
 
+/// Plates whose recordings do not scatter alike, each about its own line in time, as one tau for all takes them to:
+/// Bartlett's test by the residuals, p < 0.01.
+struct UnequalScatter {
+  std::string widest, narrowest;               ///< plates
+  double sd_widest = 0.0, sd_narrowest = 0.0;  ///< of eps between their recordings, with the recordings' own errors
+  double p_value = 1.0;
+};
+
 /// eps of one of several groups, of its recordings alone.
 struct GroupRestitution {
   std::string name;    ///< the plate, or the recording
@@ -158,19 +166,20 @@ struct GroupDifference {
   std::string reference, group;
   double v_mps = 0.0;             ///< one of `nodes`
   Estimate eps;                   ///< the difference there
+  double ndf = 0.0;               ///< of Student's t; 0: how units of a group differ is not known
   double detectable = 0.0;        ///< a difference there that such data show in four of five experiments
   std::optional<double> p_value;  ///< of a difference there so large by chance; absent: ndf = 0
   std::vector<NodeEstimate> nodes;
 };
 Description members_of(const GroupDifference*);
 
-/// Do groups differ by more than the recordings (or drops) within them do? The difference of eps of two groups, with
-/// half widths of their intervals in quadrature, is Student's t of `ndf` degrees of freedom; p, at the middle one of
-/// the speeds that all share, is times the number of pairs.
+/// Do groups differ by more than the recordings (or drops) within them do? The difference of two plates is that of the
+/// mixed model, with the error that their means have together: the drift which all share moves plates apart that were
+/// measured one after the other. That of two recordings is that of their curves, half widths of intervals in
+/// quadrature. p, at the middle one of the speeds that all share, is times the number of pairs.
 struct GroupDifferences {
   std::optional<Note> why;  ///< why there are no rows; absent where there are
   GroupUnit unit = GroupUnit::drops;
-  double ndf = 0.0;  ///< 0: how units of a group differ is not known
   std::vector<GroupRestitution> groups;
   std::vector<GroupDifference> rows;  ///< every pair
   /// Some pair has p < 0.05, or none has a p: the groups are not known to have one eps.
@@ -202,6 +211,7 @@ struct BetweenRecordings {
   ChiSquareTest heterogeneity;      ///< is tau 0, and is there no drift and no group?
   std::optional<Drift> drift;
   Grouping plates, days;
+  std::optional<UnequalScatter> unequal_scatter;
   /// Of plates with several recordings, else (see compare_groups) of few recordings. Where they differ, eps, prediction
   /// and nodes of all are those of none.
   std::optional<GroupDifferences> differences;

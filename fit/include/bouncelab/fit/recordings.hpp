@@ -20,17 +20,18 @@ namespace bouncelab::fit {
 
 /// What a difference between recordings is measured by.
 enum class WithinUnit {
-  samples,  ///< by the scatter of the samples, as if all were independent: there are too few drops
-  drops,    ///< by how the drops within the recordings differ: holds also where impacts of a drop go together
+  samples,     ///< by the scatter of the samples, as if all were independent: there are too few drops
+  drops,       ///< by how the drops within the recordings differ: holds also where impacts of a drop go together
+  recordings,  ///< of plates some of whose recordings disagree: by how the recordings within the plates differ
 };
-/// The words of fit.json: "samples", "drops".
+/// The words of fit.json: "samples", "drops", "recordings".
 const char* to_string(WithinUnit unit);
 
 /// Do several recordings follow one curve? An analysis of variance by weighted least squares, of one curve with a
 /// constant of eps for each recording (S1), for each drop (S2), or for none (S0), S what is left:
 ///
 ///   F = (S0 - S1) / ndf : S1 / ndf_within          samples
-///   F = (S0 - S1) / ndf : (S1 - S2) / ndf_within   drops
+///   F = (S0 - S1) / ndf : (S1 - S2) / ndf_within   drops, recordings
 ///
 /// Weights are the inverse variances that the pooled fit and the timing give; a recording's own outliers are left out.
 /// For normal scatter F is exact, also where samples are few.
@@ -44,6 +45,12 @@ struct RecordingsTest {
 };
 Description members_of(const RecordingsTest*);
 
+/// The recordings of one plate against the curve of the plate.
+struct WithinPlate {
+  RecordingsTest test;
+  std::vector<NamedEstimate> offsets;  ///< of each recording's eps
+};
+
 /// One recording alone.
 struct RecordingFit {
   std::string recording;
@@ -55,6 +62,7 @@ struct RecordingFit {
   bool with_memory = false;
   LawFit law;
   std::optional<Estimate> offset;        ///< of its eps from the curve of all, mean over all samples 0; by the test
+  std::optional<WithinPlate> within;     ///< of a plate with several recordings
   std::vector<HistogramFit> histograms;  ///< of its samples about its law; none of more than 100 recordings
 };
 Description members_of(const RecordingFit*);
@@ -86,6 +94,8 @@ Table slope_table(const std::vector<HistogramFit>& all, const Recordings& record
 
 inline constexpr double kDoubt = 0.01;  ///< p below: they do not follow one curve
 bool disagree(const Recordings& recordings);
+/// Do the recordings of a plate?
+bool disagree_within(const RecordingFit& plate);
 
 /// Drops that are of two balls, or on two floors.
 struct KindsOfDrops {

@@ -12,14 +12,14 @@
 
 namespace bouncelab::loop {
 
-/// Plates and dates by recording, by its name or that of its file.
+/// Plates and dates by recording, by its name or an end of its path.
 struct Origins {
   std::map<std::string, fit::RecordingOrigin> by_recording;
   std::string table;  ///< that they stand in, for notes
 };
 
 /// Of each of the recordings; of one that the origins do not know nothing. Rows without a recording and recordings
-/// without a row are named in notes.
+/// without a row are named in notes. @throws FileError where a row is of two recordings
 std::vector<fit::RecordingOrigin> origins_of(const std::vector<std::string>& recordings, const Origins& origins,
                                              std::vector<Note>& notes);
 

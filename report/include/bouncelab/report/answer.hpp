@@ -47,6 +47,7 @@ Description members_of(const SpeedAndRestitution*);
 /// One recording of several, alone.
 struct RecordingAnswer {
   std::string recording;
+  std::string name;                       ///< in a sentence
   std::optional<SpeedAndRestitution> at;  ///< at a speed common to most of them, else at its own
   std::string missing;                    ///< in words, why there is none
   DropsSeen seen;
