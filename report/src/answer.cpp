@@ -13,7 +13,7 @@ namespace bouncelab::report {
 FitInWords in_words(const fit::FitResult& result, const RestitutionSamples& samples, fit::UseMemory memory) {
   const SampleConditions conditions = samples.empty() ? SampleConditions{} : samples.front().conditions;
   FitInWords words{plain_answer(result, samples),
-                   taken_of(samples),
+                   samples.empty() ? std::vector<Taken>{} : taken_of(conditions),
                    notes_of(result, samples, memory),
                    {},
                    findings_of(result, conditions)};
@@ -22,9 +22,7 @@ FitInWords in_words(const fit::FitResult& result, const RestitutionSamples& samp
   return words;
 }
 
-std::vector<Taken> taken_of(const RestitutionSamples& samples) {
-  if (samples.empty()) return {};
-  const SampleConditions& of = samples.front().conditions;
+std::vector<Taken> taken_of(const SampleConditions& of) {
   std::vector<Taken> taken{{"ball", of.ball ? to_text(*of.ball) : "not known"},
                            {"plate", of.plate ? plate_text(*of.plate) : "not known"}};
   if (of.gravity_mps2) taken.push_back({"gravity", formatted("%.6g m/s^2", *of.gravity_mps2)});
@@ -36,7 +34,7 @@ std::vector<Taken> taken_of(const RestitutionSamples& samples) {
 
 std::vector<Taken> taken_of(const detection::RecordingDetection& recording) {
   const detection::RecordingSummary& of = recording.found.summary;
-  std::vector<Taken> taken;
+  std::vector<Taken> taken{{"rate", formatted("%.9g Hz", of.rate_hz)}};
   if (of.n_tracks > 1) taken.push_back({"track", formatted("%d of %d", of.track, of.n_tracks)});
   if (of.n_channels > 1)
     taken.push_back({"channel", formatted("%d of %d (", of.channel, of.n_channels) + of.channel_reason + ")"});

@@ -184,7 +184,7 @@ Outcome run_analyze(const AnalyzeOptions& options, const Run& asked) {
   Run run = asked;
   run.common.force = run.common.force || is_own_report(outputs, given);
   check_files(run, with_onsets_beside(given), outputs);
-  std::vector<Note> notes;
+  std::vector<Note> notes = notes_on_provenance(given);
   const std::vector<fs::path> files = each_once(given, run.common.n_threads, "recording", notes);
   const loop::AnalyzeConfig config{options.detect.config, with_ball(options.restitution),
                                    fit_config(options.fit, run.common), options.diagnostics,
