@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include "bouncelab/core/files.hpp"
@@ -46,7 +47,12 @@ fit::RestitutionCounts restitution_of_files(const std::vector<std::filesystem::p
   std::vector<double> eps;  // 8 bytes each, for the median
   report::Implausible implausible;
   const auto write = [&](const RestitutionSamples& rows) {
-    samples.add(to_table(rows));
+    std::span<const RestitutionSample> rest(rows);  // a drop may be long
+    do {
+      const auto piece = rest.first(std::min(rest.size(), kPiece_rows));
+      samples.add(to_table(piece));
+      rest = rest.subspan(piece.size());
+    } while (!rest.empty());
     if (taken.empty() && !rows.empty()) taken = report::taken_of(rows.front().conditions);
     for (const RestitutionSample& s : rows)
       if (s.flags.empty()) eps.push_back(s.eps), implausible.add(s);
