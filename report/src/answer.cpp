@@ -34,7 +34,7 @@ std::vector<Taken> taken_of(const SampleConditions& of) {
 
 std::vector<Taken> taken_of(const detection::RecordingDetection& recording) {
   const detection::RecordingSummary& of = recording.found.summary;
-  std::vector<Taken> taken{{"rate", formatted("%.9g Hz", of.rate_hz)}};
+  std::vector<Taken> taken;
   if (of.n_tracks > 1) taken.push_back({"track", formatted("%d of %d", of.track, of.n_tracks)});
   if (of.n_channels > 1)
     taken.push_back({"channel", formatted("%d of %d (", of.channel, of.n_channels) + of.channel_reason + ")"});

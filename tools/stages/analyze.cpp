@@ -125,6 +125,8 @@ Outcome write_analysis(const Read& read, const loop::AnalyzeConfig& config, cons
   report::order(notes);
   take(notes, words);
   write_files(found, words, read.inputs, folder, run);
+  if (found.recordings.size() == 1 && !run.given.contains("rate"))  // not in fit.json, which is made of times
+    words.taken.push_back({"rate", fmt::format("{:.9g} Hz", found.recordings.front().found.summary.rate_hz)});
   Outcome outcome;
   outcome.result = object_of(found);
   outcome.result.emplace_back("answer", value_of(words.answer));

@@ -111,7 +111,7 @@ void take(const std::vector<Note>& notes, FitInWords& words);
 
 /// Ball, plate, gravity and air that samples were computed with.
 std::vector<Taken> taken_of(const SampleConditions& conditions);
-/// The rate of a recording, and of several channels or tracks the one that was taken.
+/// Channel and track of a recording that has several.
 std::vector<Taken> taken_of(const detection::RecordingDetection& recording);
 /// "Taken: ball not known, gravity 9.80665 m/s^2."; empty where nothing was.
 std::string in_words(const std::vector<Taken>& taken);
