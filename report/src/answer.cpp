@@ -13,7 +13,7 @@ namespace bouncelab::report {
 FitInWords in_words(const fit::FitResult& result, const RestitutionSamples& samples, fit::UseMemory memory) {
   const SampleConditions conditions = samples.empty() ? SampleConditions{} : samples.front().conditions;
   FitInWords words{plain_answer(result, samples),
-                   taken_of(samples),
+                   samples.empty() ? std::vector<Taken>{} : taken_of(conditions),
                    notes_of(result, samples, memory),
                    {},
                    findings_of(result, conditions)};
@@ -22,9 +22,7 @@ FitInWords in_words(const fit::FitResult& result, const RestitutionSamples& samp
   return words;
 }
 
-std::vector<Taken> taken_of(const RestitutionSamples& samples) {
-  if (samples.empty()) return {};
-  const SampleConditions& of = samples.front().conditions;
+std::vector<Taken> taken_of(const SampleConditions& of) {
   std::vector<Taken> taken{{"ball", of.ball ? to_text(*of.ball) : "not known"},
                            {"plate", of.plate ? plate_text(*of.plate) : "not known"}};
   if (of.gravity_mps2) taken.push_back({"gravity", formatted("%.6g m/s^2", *of.gravity_mps2)});

@@ -137,7 +137,7 @@ TEST_F(Analyze, SaysTheAnswerThenOneDoubtAtMostThenWhereTheReportIs) {
   const std::vector<std::string> lines = lines_of(wrong.out);
   ASSERT_EQ(lines.size(), 8u) << wrong.out;  // value, its change, energy, drops, what was taken, doubt of two, report
   EXPECT_THAT(lines[0], testing::StartsWith("ε = 0.8"));
-  EXPECT_EQ(lines[4], "Taken: plate not known, gravity 9.81 m/s^2, air 1.2 kg/m^3.");
+  EXPECT_EQ(lines[4], "Taken: plate not known, gravity 9.81 m/s^2, air 1.2 kg/m^3, rate 44100 Hz.");
   EXPECT_THAT(lines[5], testing::StartsWith("The drop height of 61.1 m (--drop-height) does not fit"));
   EXPECT_THAT(lines[7], testing::AllOf(testing::StartsWith("Report: "), testing::EndsWith("report.html")));
   // one number for one thing

@@ -71,6 +71,50 @@ TEST_F(Files, AProvenanceReplacesNothingOfTheUsersAndFollowsNoLink) {
   EXPECT_EQ(run("restitution on.csv --out own.csv").exit_code, 0);
 }
 
+TEST_F(Files, ThatNobodyNamedAreReadOnlyIfTheyAreRegular) {
+  write("rec.wav", float_wav(bouncing(12), 44100));
+  ASSERT_EQ(run("detect rec.wav --out o.csv --labels o.txt").exit_code, 0);
+  ASSERT_EQ(run("analyze rec.wav --out report").exit_code, 0);
+  fs::create_directory(folder_ / "true");
+  for (const std::string make : {"mkfifo", "mkdir", "ln -s nowhere", "ln -s /dev/zero", "mkfifo pipe; ln -sr pipe"}) {
+    SCOPED_TRACE(make);
+    const auto expect_ends = [&](const std::string& name, const std::string& command, int exit_code) {
+      const Result result = shell("rm -rf pipe " + name + "; " + make + " " + name + " && timeout 20 \"$B\" " +
+                                  command + " --force; code=$?; rm -rf pipe " + name + "; exit $code");
+      EXPECT_EQ(result.exit_code, exit_code) << command << result.err;
+    };
+    for (const std::string input : {"o.csv", "o.txt"})
+      expect_ends(input + ".meta.json", "restitution " + input + " --out s.csv", 0);
+    expect_ends("o.txt.onsets.csv", "convert o.txt --to o.svl", 2);  // without it the recording is not known
+    expect_ends("o.txt.onsets.csv", "analyze o.txt --out of_labels", 0);
+    expect_ends("rec.wav.meta.json", "analyze rec.wav --out report", 0);
+    expect_ends("report/wave.json", "report report", 0);
+    expect_ends("true/rec.truth.csv", "validate --recordings rec.wav --truth true --detector builtin --out v", 3);
+    expect_ends("rec.wav", "convert o.csv --to c.csv", 0);  // which the marks name
+    expect_ends("rec.wav", "convert o.csv --to c.svl", 3);
+    write("rec.wav", float_wav(bouncing(12), 44100));
+    ASSERT_EQ(run("convert o.csv --to o.txt --force").exit_code, 0);
+    ASSERT_EQ(run("analyze rec.wav --out report --force").exit_code, 0);
+  }
+  ASSERT_EQ(shell("mkfifo n.csv.meta.json").exit_code, 0);
+  expect_one_line_error(run("restitution on.csv --out n.csv --force"), 3, {"n.csv.meta.json", "is no regular file"});
+}
+
+TEST_F(Files, ProvenanceThatEntersANumberIsPrinted) {
+  ASSERT_EQ(run("simulate --drops 1 --impacts 9 --asperities 99 --out sim.csv").exit_code, 0);
+  const std::string provenance = content("sim.csv.meta.json");
+  const std::size_t gravity = provenance.find("9.81");
+  ASSERT_NE(gravity, std::string::npos);
+  write("sim.csv.meta.json", std::string(provenance).replace(gravity, 4, "1.62"));
+  const std::string command = "restitution sim.csv --out s.csv --force";
+  EXPECT_THAT(run(command).out, testing::HasSubstr("gravity 1.62 m/s^2"));
+  EXPECT_EQ(run(command).err, "");
+  write("sim.csv", content("sim.csv") + "\n");
+  const Result changed = run(command);
+  EXPECT_THAT(changed.err, testing::HasSubstr("sim.csv.meta.json is of another content"));
+  EXPECT_THAT(changed.out, testing::HasSubstr("gravity 9.81 m/s^2"));
+}
+
 TEST_F(Files, NoOutputReplacesAnotherOne) {
   expect_kept("simulate --drops 1 --impacts 3 --asperities 100 --out z.csv --write-surface z.csv --force",
               {"z.csv", "two outputs"});

@@ -125,6 +125,8 @@ Outcome write_analysis(const Read& read, const loop::AnalyzeConfig& config, cons
   report::order(notes);
   take(notes, words);
   write_files(found, words, read.inputs, folder, run);
+  if (found.recordings.size() == 1 && !run.given.contains("rate"))  // not in fit.json, which is made of times
+    words.taken.push_back({"rate", fmt::format("{:.9g} Hz", found.recordings.front().found.summary.rate_hz)});
   Outcome outcome;
   outcome.result = object_of(found);
   outcome.result.emplace_back("answer", value_of(words.answer));
@@ -185,7 +187,7 @@ Outcome run_analyze(const AnalyzeOptions& options, const Run& asked) {
   keep_world(world_of(given), run.parameters);  // its onsets are of this world whatever reads them
   run.common.force = run.common.force || is_own_report(outputs, given);
   check_files(run, with_onsets_beside(given), outputs);
-  std::vector<Note> notes;
+  std::vector<Note> notes = notes_on_provenance(given);
   const std::vector<fs::path> files = each_once(given, run.common.n_threads, "recording", notes);
   const loop::AnalyzeConfig config{options.detect.config, with_ball(options.restitution),
                                    fit_config(options.fit, run.common), options.diagnostics,

@@ -17,6 +17,7 @@
 #include "bouncelab/report/notes.hpp"
 #include "bouncelab/report/page.hpp"
 #include "stages/files/foreign_files.hpp"
+#include "stages/files/provenance.hpp"
 #include "stages/files/sample_files.hpp"
 #include "stages/files/table_file.hpp"
 #include "stages/stages.hpp"
@@ -30,7 +31,7 @@ namespace fs = std::filesystem;
 Outcome read_sounds(const std::vector<fs::path>& files, const CompareOptions& options, const Run& run,
                     const std::function<void(RestitutionSamples&&)>& take) {
   if (files.empty()) return {};
-  std::vector<Note> notes;
+  std::vector<Note> notes = notes_on_provenance(files);
   const std::vector<fs::path> once = each_once(files, run.common.n_threads, "recording", notes);
   const int n_threads = kMayStartChildBesideThreads ? resolved_threads(run.common.n_threads) : 1;
   const Recordings recordings =

@@ -5,12 +5,14 @@
 #include <algorithm>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include "bouncelab/core/files.hpp"
 #include "bouncelab/core/numerics.hpp"
 #include "bouncelab/core/parallel.hpp"
 #include "bouncelab/core/text.hpp"
+#include "bouncelab/report/answer.hpp"
 #include "bouncelab/report/notes.hpp"
 #include "stages/files/foreign_files.hpp"
 #include "stages/files/provenance.hpp"
@@ -35,16 +37,23 @@ std::string describe(const fit::RestitutionCounts& counts) {
 }
 
 /// Onsets -> samples, in pieces from file to file; speeds are samples already.
+/// @param taken  gets what the first sample was computed with
 fit::RestitutionCounts restitution_of_files(const std::vector<std::filesystem::path>& files, int n_threads,
                                             const fit::RestitutionConfig& config, const ForeignFileOptions& foreign,
                                             TableWriter& samples, std::vector<std::string>& taken_for,
-                                            std::vector<Note>& notes) {
+                                            std::vector<report::Taken>& taken, std::vector<Note>& notes) {
   fit::RestitutionInPieces restitution(config);
   fit::RestitutionCounts counts;
   std::vector<double> eps;  // 8 bytes each, for the median
   report::Implausible implausible;
   const auto write = [&](const RestitutionSamples& rows) {
-    samples.add(to_table(rows));
+    std::span<const RestitutionSample> rest(rows);  // a drop may be long
+    do {
+      const auto piece = rest.first(std::min(rest.size(), kPiece_rows));
+      samples.add(to_table(piece));
+      rest = rest.subspan(piece.size());
+    } while (!rest.empty());
+    if (taken.empty() && !rows.empty()) taken = report::taken_of(rows.front().conditions);
     for (const RestitutionSample& s : rows)
       if (s.flags.empty()) eps.push_back(s.eps), implausible.add(s);
   };
@@ -113,16 +122,17 @@ Outcome run_restitution(const RestitutionOptions& options, const Run& run) {
   check_files(run, with_onsets_beside(inputs), {options.out});
   const fit::RestitutionConfig config = with_ball(options);
   Outcome outcome;
+  outcome.notes = notes_on_provenance(inputs);
   inputs = each_once(inputs, run.common.n_threads, "onsets", outcome.notes);
   TableWriter samples(run, options.out);
   std::vector<std::string> taken_for;
-  const fit::RestitutionCounts counts =
-      restitution_of_files(inputs, run.common.n_threads, config, options.foreign, samples, taken_for, outcome.notes);
+  std::vector<report::Taken> taken;
+  const fit::RestitutionCounts counts = restitution_of_files(inputs, run.common.n_threads, config, options.foreign,
+                                                             samples, taken_for, taken, outcome.notes);
+  leave_out_given(run.given, taken);
   inputs = with_onsets_beside(std::move(inputs));
   outcome.text = lines_of(one_a_kind(taken_for)) + describe(counts) + "\n";
-  if (config.ball)
-    outcome.text +=
-        "ball: " + bouncelab::describe(*config.ball) + (config.plate ? " on " + plate_text(*config.plate) : "") + "\n";
+  if (!taken.empty()) outcome.text += report::in_words(taken) + "\n";
   outcome.notes = joined(outcome.notes, report::notes_of(counts, config));
   outcome.result = summary_of(counts, config);
   samples.finish(inputs);

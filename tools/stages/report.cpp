@@ -33,7 +33,7 @@ constexpr std::pair<const char*, std::string report::ReportInput::*> kParts[]{
     {"diagnostics.json", &report::ReportInput::diagnostics_json}};
 
 std::string content_if_there(const fs::path& path, std::vector<fs::path>& inputs) {
-  if (!fs::exists(path)) return {};
+  if (!is_unnamed_file(path)) return {};
   inputs.push_back(path);
   std::string content = whole_content(path);
   if (!nlohmann::json::accept(content))
@@ -43,7 +43,7 @@ std::string content_if_there(const fs::path& path, std::vector<fs::path>& inputs
 }
 
 std::string samples_if_few(const fs::path& path, const std::string& fit_json, std::vector<fs::path>& inputs) {
-  if (!fs::exists(path)) return {};
+  if (!is_unnamed_file(path)) return {};
   std::string few =
       report::samples_json(samples_from_table(read_table(path, sample_columns()), path.string()), fit_json);
   if (!few.empty()) inputs.push_back(path);
@@ -101,7 +101,7 @@ nlohmann::json data_of(const std::string& page, const std::string& id) {
 
 /// What compare and validate showed stands in their page, some of it nowhere else. @return whether there is such a page
 bool takes_from_page(const fs::path& page, report::ReportInput& input, std::vector<fs::path>& inputs) {
-  if (!fs::exists(page)) return false;
+  if (!is_unnamed_file(page)) return false;
   const nlohmann::json data = data_of(whole_content(page), "data");
   bool has_some = false;
   for (const auto& [name, member] : {std::pair{"comparison", &report::ReportInput::comparison_json},
@@ -181,7 +181,8 @@ Outcome run_report(const ReportOptions& options, const Run& run) {
   const fs::path fit = folder / "fit.json";
   std::vector<fs::path> inputs;
   report::ReportInput input;
-  if (!fs::exists(fit) && !fs::exists(folder / "sweep.json") && !takes_from_page(folder / "report.html", input, inputs))
+  if (!is_unnamed_file(fit) && !is_unnamed_file(folder / "sweep.json") &&
+      !takes_from_page(folder / "report.html", input, inputs))
     throw FileError(
         fit.string(),
         "no such file, nor is there a page of compare or validate; bouncelab fit, analyze, loop, compare or "
@@ -189,6 +190,7 @@ Outcome run_report(const ReportOptions& options, const Run& run) {
   const fs::path out = options.out.empty() ? folder / "report.html" : fs::path(options.out);
   std::vector<fs::path> shown{folder / "samples.csv"};
   for (const auto& [name, member] : kParts) shown.push_back(folder / name);
+  std::erase_if(shown, [](const fs::path& part) { return !is_unnamed_file(part); });
   const bool writes_page = options.figures.empty() || !options.out.empty();
   shown.insert(shown.end(), inputs.begin(), inputs.end());
   if (writes_page) check_files(run, shown, {out});
@@ -198,7 +200,7 @@ Outcome run_report(const ReportOptions& options, const Run& run) {
   if (!input.fit_json.empty() && !is_fit(input.fit_json))
     throw FileError(fit.string(),
                     "is no result of a fit of this version; make it anew (bouncelab fit, analyze or loop)");
-  if (const fs::path samples = folder / "samples.csv"; fs::exists(samples) && is_made_of_another(fit, samples))
+  if (const fs::path samples = folder / "samples.csv"; is_unnamed_file(samples) && is_made_of_another(fit, samples))
     throw FileError(fit.string(), "is a fit of other samples than " + samples.string() +
                                       " has; make it anew (bouncelab fit or analyze, with --force)");
   input.samples_json = samples_if_few(folder / "samples.csv", input.fit_json, inputs);

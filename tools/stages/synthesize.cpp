@@ -227,7 +227,7 @@ Outcome run_synthesize(const SynthesizeOptions& options, const Run& run) {
   files.finish();
 
   Outcome outcome;
-  outcome.notes = result.notes;
+  outcome.notes = joined(notes_on_provenance({options.impacts}), result.notes);
   outcome.result = object_of(result);
   outcome.result.emplace_back("ball", value_of(config.ball));
   outcome.result.emplace_back("plate", value_of(contact_material(config.ground)));

@@ -105,6 +105,11 @@ fs::path readable(const fs::path& path) {
   return known[path.native()] = copied(target, name);
 }
 
+bool is_unnamed_file(const fs::path& path) {
+  std::error_code not_found;
+  return fs::is_regular_file(path, not_found);
+}
+
 // ---- bytes
 
 FileBytes::FileBytes(const fs::path& path) : FileBytes(-1, input_name(path)) {

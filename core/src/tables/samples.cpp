@@ -165,7 +165,7 @@ const RowColumns<RestitutionSample>& columns_of(const RestitutionSample*) {
   return all;
 }
 
-Table to_table(const RestitutionSamples& samples) {
+Table to_table(std::span<const RestitutionSample> samples) {
   return table_of<RestitutionSample>(columns_of(samples.data()), samples);
 }
 

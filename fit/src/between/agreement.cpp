@@ -237,6 +237,9 @@ const char* to_string(WithinUnit unit) {
 
 Recordings compare_recordings(const RestitutionSamples& samples, const LawFitConfig& config, const LawFit& pooled,
                               const HistogramConfig& windows, const Plates& plates) {
+  const bool is_one_recording = std::all_of(samples.begin(), samples.end(),
+                                            [&](const auto& s) { return s.recording == samples.front().recording; });
+  if (is_one_recording) return {};  // not copied: it may be most of the memory
   const std::vector<Row> recordings = by_row(samples, plates);
   if (recordings.size() < 2) return {};
   Recordings result;

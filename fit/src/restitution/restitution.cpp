@@ -141,6 +141,7 @@ bool contradicts(const RestitutionSamples& samples) {
 RestitutionSamples samples_of_drop(std::span<const Onset> drop, const RestitutionConfig& config,
                                    RestitutionCounts& counts, std::vector<double>& heights_m) {
   RestitutionSamples samples;
+  samples.reserve(drop.size());
   std::size_t piece_begin = 0;
   const auto close_piece = [&](std::size_t end) {
     const auto piece = drop.subspan(piece_begin, end - piece_begin);
@@ -224,7 +225,6 @@ RestitutionInPieces::RestitutionInPieces(const RestitutionConfig& config)
 
 RestitutionSamples RestitutionInPieces::add(Onsets onsets) {
   RestitutionSamples samples;
-  samples.reserve(onsets.size());
   counts_.n_onsets += onsets.size();
   for (Onset& onset : onsets) {
     if (!drop_.empty() && (onset.recording != drop_.front().recording || onset.drop != drop_.front().drop))
@@ -260,8 +260,11 @@ void RestitutionInPieces::end_drop(RestitutionSamples& samples) {
     s.conditions.contact_time_corrected = s.conditions.contact_time_corrected || of_heights;  // heights have none
     if (!s.flags.empty()) ++counts_.n_flagged;
   }
-  std::move(of_drop.begin(), of_drop.end(), std::back_inserter(samples));
-  drop_.clear();
+  drop_ = {};  // a drop may be most of the memory
+  if (samples.empty())
+    samples = std::move(of_drop);
+  else
+    std::move(of_drop.begin(), of_drop.end(), std::back_inserter(samples));
 }
 
 Restitution restitution_samples(const Onsets& onsets, const RestitutionConfig& config) {

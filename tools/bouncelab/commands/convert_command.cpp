@@ -51,11 +51,20 @@ Onsets read_onsets(const ConvertOptions& options, std::vector<std::string>& take
   return onsets;
 }
 
+/// Whether the recording of the marks can be read: --recording, or the file that the marks name.
+bool has_recording(const audio::Annotations& annotations, const ConvertOptions& options) {
+  return annotations.recording == options.foreign.recording || is_unnamed_file(annotations.recording);
+}
+
 /// What a format of marks needs of the recording. @throws FileError with the remedy; where a mark lies beyond its end
-audio::AudioFormat audio_format(const audio::Annotations& annotations, const std::string& out) {
+audio::AudioFormat audio_format(const audio::Annotations& annotations, const std::string& out,
+                                const ConvertOptions& options) {
   if (annotations.recording.empty())
     throw InvalidArgument(out +
                           ": this format needs the recording (its rate, or a copy of it); name it with --recording");
+  if (!has_recording(annotations, options))
+    throw FileError(input_name(annotations.recording),
+                    "no such file, and " + out + " needs the recording of the marks; name it with --recording");
   audio::AudioFormat format = audio::AudioReader(annotations.recording).format();
   const double end_s = static_cast<double>(format.n_frames) / format.rate_hz;
   for (const audio::Annotation& point : annotations.points)
@@ -72,7 +81,7 @@ void write_annotations(const fs::path& out, const Onsets& onsets, const ConvertO
   if (format == Format::audacity) return write_label_track(run, out, onsets, inputs);
   const audio::Annotations annotations = audio::annotations_of(onsets);
   if (format == Format::cues) {
-    audio_format(annotations, out.string());
+    audio_format(annotations, out.string(), options);
     if (annotations.recording != options.input) inputs.emplace_back(annotations.recording);
     OutputFile file(out, run.common.force);
     const auto write = [&](std::string_view bytes) { file.write(bytes); };
@@ -82,12 +91,12 @@ void write_annotations(const fs::path& out, const Onsets& onsets, const ConvertO
   }
   std::string text;
   if (format == Format::sonic_visualiser) {
-    const audio::AudioFormat audio = audio_format(annotations, out.string());
+    const audio::AudioFormat audio = audio_format(annotations, out.string(), options);
     text = audio::sonic_visualiser_layer(annotations, static_cast<int>(audio.rate_hz), audio.n_frames);
   }
   if (format == Format::praat) {
-    const bool known = !annotations.recording.empty() && fs::exists(annotations.recording);
-    const audio::AudioFormat audio = known ? audio_format(annotations, out.string()) : audio::AudioFormat{};
+    const bool known = !annotations.recording.empty() && has_recording(annotations, options);
+    const audio::AudioFormat audio = known ? audio_format(annotations, out.string(), options) : audio::AudioFormat{};
     text = audio::text_grid(annotations, known ? static_cast<double>(audio.n_frames) / audio.rate_hz : 0.0);
   }
   write_text(run, out, text, inputs);
@@ -109,7 +118,8 @@ Outcome run_convert(const ConvertOptions& options, const Run& run) {
   // which recordings the marks are of is known only now: none of them may be replaced
   const std::vector<fs::path> inputs = with_onsets_beside({options.input});
   std::set<fs::path> read(inputs.begin(), inputs.end());
-  for (const Onset& onset : onsets) read.insert(onset.recording);
+  for (const Onset& onset : onsets)
+    if (is_unnamed_file(onset.recording)) read.insert(onset.recording);
   check_files(run, {read.begin(), read.end()}, outputs_of(options));
   for (const std::string& out : options.outputs)
     if (format_of(out) == Format::table)

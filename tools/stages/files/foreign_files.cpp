@@ -21,7 +21,7 @@ std::filesystem::path onsets_beside(const std::filesystem::path& labels) {
 std::vector<std::filesystem::path> with_onsets_beside(std::vector<std::filesystem::path> files) {
   for (std::size_t k = 0, n = files.size(); k < n; ++k)
     if (const std::filesystem::path table = onsets_beside(files[k]);
-        files[k].extension() == ".txt" && std::filesystem::exists(table))
+        files[k].extension() == ".txt" && is_unnamed_file(table))
       files.push_back(table);
   return files;
 }
@@ -82,7 +82,7 @@ bool may_be_foreign(const fs::path& path) {
 /// Marks of a sound editor, with what is known of them beside labels of Audacity.
 std::optional<audio::Annotations> marks_of(const fs::path& path, const std::string& tier) {
   const std::string name = input_name(path);
-  if (const fs::path beside = onsets_beside(path); fs::exists(beside)) return read_label_track(path, beside);
+  if (const fs::path beside = onsets_beside(path); is_unnamed_file(beside)) return read_label_track(path, beside);
   const std::string head = head_of(path);
   if (head.starts_with("RIFF") || head.starts_with("RF64")) return audio::read_cues(path);  // may be hours of sound
   return audio::marks_of_file(whole_content(path), name, tier);

@@ -53,6 +53,9 @@ Json json_in(const fs::path& path) {
   return Json::parse(bytes.text(0, static_cast<std::size_t>(std::min(kMost, bytes.size()))), nullptr, false);
 }
 
+/// Options that say what was simulated.
+constexpr std::array kConditions{"ball", "plate", "drag", "gravity"};
+
 /// A text of a provenance or of one of its inputs; absent where it has none of that name.
 std::optional<std::string> text_in(const Json& object, const std::string& name) {
   if (!object.is_object() || !object.contains(name) || !object[name].is_string()) return std::nullopt;
@@ -70,8 +73,7 @@ std::string sum_in(const Json& meta) { return text_in(meta, "sha256").value_or("
 /// null where there is none. @throws FileError where it is not JSON
 Json provenance_beside(const fs::path& file) {
   const fs::path path = provenance_path(file);
-  std::error_code too_long;
-  if (!fs::is_regular_file(path, too_long)) return {};
+  if (!is_unnamed_file(path)) return {};
   Json meta = json_in(path);
   if (meta.is_discarded())
     throw FileError(path.string(), "is not JSON, as what is known of the file beside it would be; delete it");
@@ -105,7 +107,7 @@ bool are_unchanged_and_of(const std::vector<fs::path>& outputs, const std::vecto
     if (const auto sum = text_in(input, "sha256")) named.push_back(*sum);
   if (named != of_inputs) return false;
   return std::all_of(outputs.begin(), outputs.end(), [](const fs::path& output) {
-    return !fs::exists(output) || sum_in(provenance_beside(output)) == sha256_of_file(output);
+    return !is_unnamed_file(output) || sum_in(provenance_beside(output)) == sha256_of_file(output);
   });
 }
 
@@ -161,6 +163,24 @@ std::optional<std::string> parameter_in_provenance(const fs::path& file, const s
   const Json meta = provenance_beside(file);
   if (!meta.is_object() || !meta.contains("parameters") || !is_of(meta, file)) return std::nullopt;
   return text_in(meta["parameters"], option);
+}
+
+std::vector<Note> notes_on_provenance(const std::vector<fs::path>& files) {
+  std::vector<Note> notes;
+  for (const fs::path& file : files) {
+    if (file.empty() || is_stream(file)) continue;
+    const Json meta = provenance_beside(file);
+    if (!meta.is_object() || !meta.contains("parameters") || is_of(meta, file)) continue;
+    const bool has_conditions = std::any_of(kConditions.begin(), kConditions.end(), [&](const char* option) {
+      return !text_in(meta["parameters"], option).value_or("").empty();
+    });
+    if (has_conditions)
+      notes.push_back({NoteKind::of_file,
+                       {},
+                       provenance_path(file).string() +
+                           " is of another content than this file has now; its ball, plate and gravity are not taken"});
+  }
+  return notes;
 }
 
 std::string provenance(const Run& run, const std::vector<fs::path>& inputs, const std::string& sha256) {

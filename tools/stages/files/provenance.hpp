@@ -47,6 +47,10 @@ bool is_provenance(const std::filesystem::path& path);
 /// @throws FileError where a provenance is none
 std::optional<std::string> parameter_in_provenance(const std::filesystem::path& file, const std::string& option);
 
+/// A warning for each file whose provenance states a ball, a plate, gravity or drag of another content: the file was
+/// changed or replaced, and none of them is taken. @throws FileError as parameter_in_provenance
+std::vector<Note> notes_on_provenance(const std::vector<std::filesystem::path>& files);
+
 /// SHA-256 of a text, in hexadecimal.
 std::string sha256_of(const std::string& text);
 

@@ -123,11 +123,13 @@ std::vector<fs::path> files_named_by_options(const Run& run) {
 
 namespace {
 
-/// A provenance is written where there is none or one of ours, and not to where a link leads.
+/// A provenance is written where there is none or one of ours, and not to where a link or a pipe leads.
 void check_provenance_path(const fs::path& path, bool force) {
-  if (fs::is_symlink(path))
-    throw FileError(path.string(), "is a link, and the provenance of an output would be written there; remove it");
-  if (!force && fs::is_regular_file(path) && !is_provenance(path)) throw FileExists(path.string());
+  const fs::file_status status = fs::symlink_status(path);
+  if (fs::exists(status) && !fs::is_regular_file(status))
+    throw FileError(path.string(), std::string(fs::is_symlink(status) ? "is a link" : "is no regular file") +
+                                       ", and the provenance of an output would be written there; remove it");
+  if (!force && fs::is_regular_file(status) && !is_provenance(path)) throw FileExists(path.string());
 }
 
 }  // namespace
@@ -137,9 +139,8 @@ void check_files(const Run& run, std::vector<fs::path> inputs, const std::vector
   std::for_each(inputs.begin(), inputs.end(), refuse_no_csv);
   std::for_each(outputs.begin(), outputs.end(), refuse_no_csv);
   std::vector<fs::path> also_read = files_named_by_options(run);
-  std::error_code too_long;
   for (const fs::path& input : inputs)
-    if (!input.empty() && !is_stream(input) && fs::exists(provenance_path(input), too_long))
+    if (!input.empty() && !is_stream(input) && is_unnamed_file(provenance_path(input)))
       also_read.push_back(provenance_path(input));
   inputs.insert(inputs.end(), also_read.begin(), also_read.end());
   std::vector<fs::path> provenances;

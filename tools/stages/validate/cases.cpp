@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "bouncelab/core/error.hpp"
+#include "bouncelab/core/files.hpp"
 #include "bouncelab/core/text.hpp"
 #include "stages/stages.hpp"
 
@@ -83,10 +84,10 @@ fs::path truth_of(const fs::path& sound, const fs::path& folder) {
   constexpr std::array kEndings{".csv", ".txt", ".tsv", ".TextGrid", ".svl", ".lab", ".labels"};
   if (!fs::is_directory(folder)) return folder;
   const std::string stem = sound.stem().string();
-  if (fs::path ours = folder / (stem + ".truth.csv"); fs::exists(ours)) return ours;
+  if (fs::path ours = folder / (stem + ".truth.csv"); is_unnamed_file(ours)) return ours;
   std::vector<fs::path> found;
   for (const char* ending : kEndings)
-    if (fs::path file = folder / (stem + ending); fs::exists(file)) found.push_back(file);
+    if (fs::path file = folder / (stem + ending); is_unnamed_file(file)) found.push_back(file);
   if (found.size() == 1) return found.front();
   if (found.empty())
     throw FileError((folder / stem).string() + ".truth.csv",

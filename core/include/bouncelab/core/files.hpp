@@ -28,6 +28,11 @@ std::string input_name(const std::filesystem::path& path);
 ///         Interrupted
 std::filesystem::path readable(const std::filesystem::path& path);
 
+/// Whether there is a file that the program may read although the user did not name it: beside an input, in a folder,
+/// or named by an input. Such a file is read only if it is a regular file, or a link to one. A FIFO of that name would
+/// be waited for, and a device may have no end.
+bool is_unnamed_file(const std::filesystem::path& path);
+
 /// The bytes of a file, or of memory, read at any place. A copy is of the same file.
 class FileBytes {
  public:

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -51,7 +52,7 @@ using RestitutionSamples = std::vector<RestitutionSample>;
 
 const RowColumns<RestitutionSample>& columns_of(const RestitutionSample*);
 /// The `samples` table of docs/formats.md.
-Table to_table(const RestitutionSamples& samples);
+Table to_table(std::span<const RestitutionSample> samples);
 /// `samples` as those of this ball on this plate, as far as they are given: where a table does not say so itself.
 void name_ball(RestitutionSamples& samples, const std::optional<Ball>& ball, const std::optional<Material>& plate);
 /// Columns that samples_from_table understands; `v_mps` and `eps` are required.

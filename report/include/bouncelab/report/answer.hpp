@@ -111,7 +111,7 @@ FitInWords in_words(const fit::FitResult& result, const RestitutionSamples& samp
 void take(const std::vector<Note>& notes, FitInWords& words);
 
 /// Ball, plate, gravity and air that samples were computed with.
-std::vector<Taken> taken_of(const RestitutionSamples& samples);
+std::vector<Taken> taken_of(const SampleConditions& conditions);
 /// Channel and track of a recording that has several.
 std::vector<Taken> taken_of(const detection::RecordingDetection& recording);
 /// "Taken: ball not known, gravity 9.80665 m/s^2."; empty where nothing was.
