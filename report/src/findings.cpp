@@ -262,10 +262,12 @@ Cause of_air(const FitResult& result, const PlainAnswer& answer, const Restituti
   Cause cause{"air", {}, false, {}};
   const auto& points = result.curve->points;
   cause.sentence = "No effect of the air is seen or taken into account.";
-  if (!result.curve->kappa_per_m || points.empty()) return cause;
+  if (!result.curve->kappa_per_m) return cause;
   const double g_mps2 = samples.front().conditions.gravity_mps2.value_or(kDefaultGravity_mps2);
   const Estimate& kappa_per_m = *result.curve->kappa_per_m;
-  const double eps = answer.at->eps.value, fast = points.back().x, slow = points.front().x;
+  const bool one_speed = points.empty();  // the effect itself, else what it changes from slow to fast
+  const double eps = answer.at->eps.value, fast = one_speed ? answer.at->v_mps : points.back().x,
+               slow = one_speed ? 0.0 : points.front().x;
   const double by_kappa = eps * (1.0 + eps * eps) * (square(fast) - square(slow)) / (4.0 * g_mps2);
   if (!ball_is_named(samples)) {
     cause.sentence = "The effect of the air is not known";
@@ -280,8 +282,8 @@ Cause of_air(const FitResult& result, const PlainAnswer& answer, const Restituti
   cause.sentence =
       std::string("the air, which slows fast flights most: ") +
       (samples.front().conditions.of_heights ? "the heights make" : "the time from bounce to bounce makes") +
-      " ε look " + two_digits(*cause.size) + " smaller at " + speed_text(fast) + " than at " + speed_text(slow) +
-      " (taken out of the values here).";
+      " ε look " + two_digits(*cause.size) + " smaller at " + speed_text(fast) +
+      (one_speed ? "" : " than at " + speed_text(slow)) + " (taken out of the values here).";
   return cause;
 }
 

@@ -30,6 +30,7 @@ void note_drops_that_differ(const FitResult& result, Notes& notes) {
   constexpr double kOfLost = 0.05;
   if (!result.is_one_ball || !result.curve || !result.curve->scatter_of_drops) return;
   const Curve& curve = *result.curve;
+  if (result.n_used < 2 * curve.n_drops) return;  // drops of one bounce each: what is of the drop is not told from it
   const Estimate& eps = curve.nodes[curve.nodes.size() / 2].eps;
   const double differ = *curve.scatter_of_drops, of_interval = differ / std::sqrt(static_cast<double>(curve.n_drops));
   if (differ < curve.scatter || differ < kOfLost * (1.0 - eps.value)) return;
