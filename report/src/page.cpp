@@ -129,8 +129,12 @@ bool is_possible(const fit::Curve& curve, double v_mps) {
 
 std::optional<fit::ScatterModel> scatter_of(const Json& json) {
   if (json.is_null()) return std::nullopt;
-  return fit::ScatterModel{json.at("v_ref_mps").get<double>(), json.at("log_below").get<std::vector<double>>(),
-                           json.at("log_above").get<std::vector<double>>(), json.at("normal_ratio").get<double>()};
+  fit::ScatterModel scatter{json.at("v_ref_mps").get<double>(), json.at("log_below").get<std::vector<double>>(),
+                            json.at("log_above").get<std::vector<double>>(), json.at("normal_ratio").get<double>()};
+  if (!(scatter.v_ref_mps > 0.0 && scatter.normal_ratio >= 0.0) || scatter.log_below.empty() ||
+      scatter.log_above.empty())
+    throw std::logic_error("scatter");
+  return scatter;
 }
 
 RestitutionLaw law_of(const Json& constants) {

@@ -139,6 +139,7 @@ TEST_F(DemCommand, OfAFitThatNoFitCanHaveMadeIsRefused) {
   const std::string fit = content("fit.json");
   for (const auto& [from, to] : {std::pair{"\"hand_off\": {\n  \"v_mps\": 0.6", "\"hand_off\": {\n  \"v_mps\": -0.6"},
                                  {"\"hand_off\": {\n  \"v_mps\": 0.6", "\"hand_off\": {\n  \"v_mps\": 600"},
+                                 {"\"normal_ratio\": ", "\"normal_ratio\": -"},
                                  {"\"points\": [\n   {\n    \"v_mps\": ", "\"points\": [\n   {\n    \"v_mps\": -"},
                                  {"\"nodes\": [\n   {\n    \"v_mps\": ", "\"nodes\": [\n   {\n    \"v_mps\": -"}}) {
     std::string edited = fit;
@@ -187,9 +188,25 @@ TEST_F(DemCommand, SaysWhatAFitDoesNotHave) {
               testing::HasSubstr("it has constant, viscoelastic"));
   EXPECT_THAT(run("dem fit.json --code c++ --model constant").err, testing::HasSubstr("it has fluctuating"));
   EXPECT_THAT(run("dem fit.json --code c++ --model memory").err, testing::HasSubstr("it has fluctuating"));
+  EXPECT_THAT(none.err, testing::HasSubstr("MercuryDPM, which has no such contact"));
+  EXPECT_THAT(run("dem fit.json --code c++ --model memory").err, testing::HasSubstr("with memory was not made"));
+  EXPECT_THAT(run("dem fit.json --code yade --model fluctuating").err, testing::HasSubstr("c++, python and formulas"));
+  std::ofstream(folder_ / "one.csv") << "v_mps,eps\n0.6,0.91\n0.6,0.9\n0.6,0.92\n0.6,0.91\n0.6,0.9\n0.6,0.91\n";
+  ASSERT_EQ(run("fit one.csv --out one.json --quiet").exit_code, 0);
+  EXPECT_THAT(run("dem one.json --code c++").err,
+              testing::HasSubstr("nothing for c++: nothing that fluctuates with the speed: all speeds are 0.6 m/s"));
+  EXPECT_THAT(run("dem fit.json --code yade --youngs-modulus 10MPa").err, testing::HasSubstr("to 1e+13, in Pa"));
   std::ofstream(folder_ / "other.json") << "{}";
   expect_one_line_error(run("dem other.json"), 3, {"other.json", "no fit.json of this version"});
   expect_one_line_error(run("dem missing.json"), 3, {"missing.json"});
+}
+
+TEST_F(DemCommand, RepeatsWhatTheFitWarnedOf) {
+  std::ofstream(folder_ / "s.csv") << "v_mps,eps\n0.5,0.98\n0.6,1.01\n0.7,0.97\n0.8,0.96\n0.9,0.98\n";
+  ASSERT_EQ(run("fit s.csv --out fit.json --quiet").exit_code, 0);
+  const Result made = run("dem fit.json --code lammps");
+  EXPECT_EQ(made.exit_code, 0);
+  EXPECT_THAT(made.err, testing::HasSubstr("warning: fit.json: 1 of 5 samples has ε below 0 or above 1"));
 }
 
 TEST_F(DemCommand, AFitOfAnEarlierVersionIsNotUsed) {

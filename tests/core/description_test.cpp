@@ -29,7 +29,7 @@ Description members_of(const Whole*) {
   static constexpr Member whole[]{
       member<&Whole::n>("n", "Number").within(1, 1'000'000'000),
       member<&Whole::speed_mps>("speed_mps", "Speed"),
-      member<&Whole::height_m>("height_m", "Height").within(0.0, 1.0).unknown_as("0"),
+      member<&Whole::height_m>("height_m", "Height [m]").within(0.0, 1.0).unknown_as("0"),
       member<&Whole::name>("name", "Name"),
       member<&Whole::nodes>("nodes", "Nodes").within(0.0, 1.0),
       member<&Whole::start_m>("start_m", "Start").with_commas("X,Y", 2, 2).within(-9.0, 9.0),
@@ -78,6 +78,7 @@ TEST(Description, ATextOutsideIsRefusedWithWhatItMustBe) {
   EXPECT_EQ(refusal("n", "0"), "'0' must be a decimal integer from 1 to 1000000000");
   EXPECT_EQ(refusal("nodes", "inf"), "'inf' must be a finite decimal number from 0 to 1");
   EXPECT_EQ(refusal("nodes", "0.3,,1"), "'' must be a finite decimal number from 0 to 1");
+  EXPECT_EQ(refusal("height_m", "2cm"), "'2cm' must be a finite decimal number from 0 to 1, in m");
   EXPECT_EQ(refusal("start_m", "1"), "'1' must be 2 finite decimal numbers, X,Y");
   EXPECT_EQ(refusal("start_m", "1,10"), "'1,10' must be numbers from -9 to 9");
   EXPECT_EQ(refusal("kind", "square"), "'square' must be one of round, flat");

@@ -2,9 +2,11 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/files.hpp"
+#include "bouncelab/core/note.hpp"
 #include "bouncelab/core/text.hpp"
 #include "bouncelab/report/page.hpp"
 #include "stages/stages.hpp"
@@ -25,6 +27,27 @@ std::vector<Section> sections_of(DemOptions& options) {
   return {{"", own, &options}};
 }
 
+namespace {
+
+/// Which codes have a model at all.
+const char* codes_with(const std::string& model) {
+  if (model == "fluctuating") return "c++, python and formulas";
+  if (model == "memory") return "c++";
+  if (model == "viscoelastic") return "liggghts, lammps and yade";
+  return "liggghts, lammps, yade and mercurydpm";
+}
+
+/// What the fit warned of.
+std::vector<Note> warnings_of(const nlohmann::json& fit, const std::string& file) {
+  std::vector<Note> notes;
+  for (const auto& note : fit.value("notes", nlohmann::json::array()))
+    if (note.is_object() && note.value("severity", "") == to_string(Severity::warning))
+      notes.push_back({NoteKind::of_file, {}, note.value("text", ""), file});
+  return notes;
+}
+
+}  // namespace
+
 Outcome dem_of(const std::string& content, const DemOptions& options) {
   const auto json = nlohmann::json::parse(content, nullptr, false);
   if (!is_fit(content))
@@ -43,6 +66,7 @@ Outcome dem_of(const std::string& content, const DemOptions& options) {
   if (!dem)
     throw FileError(options.fit, "it has nothing for these codes: no law was fitted, or its ε is not between 0 and 1");
   Outcome outcome;
+  outcome.notes = warnings_of(json, options.fit);
   std::string has;
   for (const fit::Snippet& snippet : dem->snippets) {
     if (lower_case(snippet.program) != options.code) continue;
@@ -52,10 +76,14 @@ Outcome dem_of(const std::string& content, const DemOptions& options) {
     outcome.result = {{"program", snippet.program}, {"model", snippet.model}, {"text", snippet.text}};
     return outcome;
   }
-  outcome.error = options.fit + ": nothing " + options.model + " for " + options.code + ": " + has;
+  std::string why = has;
+  const auto add = [&](const std::string& reason) { why += (why.empty() ? "" : "; ") + reason; };
   for (const fit::MissingModel& missing : dem->missing)
     if (lower_case(missing.program) == options.code && (options.model.empty() || missing.model == options.model))
-      outcome.error += (has.empty() ? "" : "; ") + missing.reason;
+      add(missing.reason);
+  if (why == has) add(std::string("that is a model for ") + codes_with(options.model));
+  outcome.error = options.fit + ": nothing " + options.model + (options.model.empty() ? "" : " ") + "for " +
+                  options.code + ": " + why;
   outcome.exit_code = kNotUsable;
   return outcome;
 }

@@ -69,10 +69,7 @@ std::optional<ContactDuration> contact_duration(const Ball& ball, const std::opt
     if (!plate || !plate->hertzian) return std::nullopt;
     return ContactDuration{hertz_contact_time_s(ball, *plate, 1.0)};
   }
-  for (const BallKind& kind : ball_kinds())
-    if (kind.contact && kind.material == ball.material && (!kind.diameter_m || 0.5 * *kind.diameter_m == ball.radius_m))
-      return kind.contact;
-  return std::nullopt;
+  return ball.usual_contact;
 }
 
 namespace {

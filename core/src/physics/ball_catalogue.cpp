@@ -189,7 +189,7 @@ Object numbers_of(const Material& material) {
 /// Of a ball of the catalogue that has a size.
 std::optional<Ball> ball_of(const BallKind& kind) {
   if (!kind.diameter_m) return std::nullopt;
-  return Ball{0.5 * *kind.diameter_m, kind.material, kind.inertia_factor, {}};
+  return Ball{0.5 * *kind.diameter_m, kind.material, kind.inertia_factor, {}, kind.contact};
 }
 
 }  // namespace

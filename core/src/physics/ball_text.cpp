@@ -220,6 +220,10 @@ std::string modulus_text(double modulus_pa) {
   return in_si(text, kModulus) == modulus_pa ? text : number_text(modulus_pa) + "Pa";
 }
 
+bool has_numbers_of(const BallKind& kind, const Ball& ball) {
+  return kind.material == ball.material && (!kind.diameter_m || 0.5 * *kind.diameter_m == ball.radius_m);
+}
+
 }  // namespace
 
 Ball ball_from_text(const std::string& text) {
@@ -231,8 +235,9 @@ Ball ball_from_text(const std::string& text) {
   Ball ball;
   ball.material = {0.0, 0.0, 0.0, false};
   std::optional<double> radius_m;
-  if (!given.name.empty()) {
-    const BallKind& kind = kind_named(kBall, text, given.name, ball_kinds());
+  const BallKind* const named = given.name.empty() ? nullptr : &kind_named(kBall, text, given.name, ball_kinds());
+  if (named) {
+    const BallKind& kind = *named;
     ball.material = kind.material;
     ball.inertia_factor = kind.inertia_factor;
     if (kind.diameter_m) radius_m = 0.5 * *kind.diameter_m;
@@ -261,14 +266,14 @@ Ball ball_from_text(const std::string& text) {
   set_elastic(kBall, text, given, ball.material);
   if (given.inertia_factor) ball.inertia_factor = *given.inertia_factor;
   ball.contact_time_s = given.contact_time_s;
+  if (named && has_numbers_of(*named, ball)) ball.usual_contact = named->contact;
   return ball;
 }
 
 std::string to_text(const Ball& ball) {
   std::string text;
   for (const BallKind& kind : ball_kinds()) {
-    if (kind.material != ball.material) continue;
-    if (kind.diameter_m && 0.5 * *kind.diameter_m != ball.radius_m) continue;
+    if (!has_numbers_of(kind, ball) || kind.contact != ball.usual_contact) continue;
     text = kind.name + (kind.diameter_m ? "" : ":" + length_text(2.0 * ball.radius_m));
     if (kind.inertia_factor != ball.inertia_factor) text += ",inertia=" + number_text(ball.inertia_factor);
     break;

@@ -41,6 +41,13 @@ bool has_range(const Member& member) { return std::isfinite(member.least) || std
 
 std::string from_range(const Member& member) { return has_range(member) ? " from " + range_of(member) : ""; }
 
+/// The unit that stands at the end of the help, "... [Pa]": a number of another one, 10MPa, is then seen to be none.
+std::string in_unit(const Member& member) {
+  const std::size_t bracket = member.text.rfind('[');
+  if (!member.text.ends_with(']') || bracket == std::string_view::npos) return {};
+  return ", in " + std::string(member.text.substr(bracket + 1, member.text.size() - bracket - 2));
+}
+
 template <class T>
 T number(const Member& member, const std::string& text) {
   const std::optional<T> value = decimal<T>(text);
@@ -48,7 +55,7 @@ T number(const Member& member, const std::string& text) {
       value && static_cast<double>(*value) >= member.least && static_cast<double>(*value) <= member.greatest;
   if (is_in_range) return *value;
   if constexpr (std::is_floating_point_v<T>)
-    refuse(text, "a finite decimal number" + from_range(member));
+    refuse(text, "a finite decimal number" + from_range(member) + in_unit(member));
   else
     refuse(text,
            "a decimal integer" + (has_range(member) ? from_range(member)

@@ -14,6 +14,8 @@
 namespace bouncelab::fit {
 namespace {
 
+constexpr double kDeepest = 0.25;  // of the radius: Hertz's contact is small beside the ball
+
 /// eps of x'' = -x^(3/2) - damping(x) x' up to the contact's end.
 template <class Damping>
 double restitution_by_motion(Damping damping, ContactEnd end) {
@@ -46,24 +48,37 @@ DemContact dem_contact(const std::optional<Ball>& ball, const std::optional<Mate
                        std::optional<double> youngs_modulus_pa) {
   Material below = plate.value_or(kGlass);
   Ball taken = ball.value_or(Ball{});
-  std::optional<ContactDuration> lasts = contact_duration(taken, below);
-  std::string why = ball ? "" : ", for the ball is not named";
-  const bool is_known = lasts.has_value();
-  if (!is_known) {
-    below = kGlass;
-    taken.material.youngs_modulus_pa = kSteel.youngs_modulus_pa;
-    taken.material.poisson_ratio = kSteel.poisson_ratio;
-    taken.material.hertzian = true;
-    lasts = contact_duration(taken, below);
-    if (!youngs_modulus_pa)
-      why =
-          ", as stiff as steel, for it is not known how stiff the ball is: add E= and nu=, or contact-time=, to --ball";
-  }
   DemContact contact;
   Ball named = taken;  // a density from mass and size needs no 16 digits
   if (to_text(taken).starts_with("diameter="))
     named.material.density_kgpm3 = std::strtod(formatted("%.5g", named.material.density_kgpm3).c_str(), nullptr);
-  contact.ball = to_text(named) + " on " + plate_text(below) + why;
+  contact.ball = to_text(named) + " on " + plate_text(below);
+  if (!ball || !plate)
+    contact.ball += std::string(", for ") +
+                    (plate  ? "the ball is"
+                     : ball ? "the plate is"
+                            : "ball and plate are") +
+                    " not named";
+  std::optional<ContactDuration> lasts = contact_duration(taken, below);
+  const bool is_known = lasts.has_value();
+  if (!is_known) {
+    std::string why;
+    if (!taken.material.hertzian) {
+      taken.material.youngs_modulus_pa = kSteel.youngs_modulus_pa;
+      taken.material.poisson_ratio = kSteel.poisson_ratio;
+      taken.material.hertzian = true;
+      why =
+          "; as stiff as steel, for it is not known how stiff the ball is: add E= and nu=, or contact-time=, to --ball";
+    }
+    if (!below.hertzian) {
+      why += formatted("; with E = %.3g GPa of %s, for which Hertz's theory does not hold",
+                       1e-9 * below.youngs_modulus_pa, plate_text(below).c_str()) +
+             (why.empty() ? ": add contact-time= to --ball" : "");
+      below.hertzian = true;
+    }
+    lasts = contact_duration(taken, below);
+    if (!youngs_modulus_pa) contact.ball += why;
+  }
   constexpr double kHertz = 2.943;  // tau = 2.943 (5 m/(4 k_n sqrt R))^(2/5) v^(-1/5)
   const double mass = mass_kg(taken), nu = taken.material.poisson_ratio, root = std::sqrt(taken.radius_m);
   contact.radius_m = taken.radius_m;
@@ -76,7 +91,6 @@ DemContact dem_contact(const std::optional<Ball>& ball, const std::optional<Mate
   contact.youngs_modulus_pa = 1.5 * (1.0 - nu * nu) * contact.k_n_pa;
   contact.duration_s = kHertz * pow(1.25 * mass / (contact.k_n_pa * root), 0.4);
   contact.overlap_m = pow(1.25 * mass * square(v_mps) / (contact.k_n_pa * root), 0.4);
-  constexpr double kDeepest = 0.25;  // of the radius: Hertz's contact is small beside the ball
   if (youngs_modulus_pa && contact.overlap_m > kDeepest * taken.radius_m)
     throw InvalidArgument(
         formatted("--youngs-modulus %.3g Pa: at %.3g m/s the ball overlaps the plate by %.2g %% of its "
@@ -125,15 +139,17 @@ std::string commented(const std::string& text, const std::string& mark) {
   return result + "\n";
 }
 
-/// A line of what a stated E does.
+/// A line of how deep the ball overlaps the plate, and of what a stated E does.
 /// @param stretch  how much longer and deeper a code's contact with a wall is: it is not as stiff as E says
-std::string softness(const Decks& decks, double stretch) {
+std::string overlap(const Decks& decks, double stretch) {
   const DemContact& c = decks.contact;
-  if (!c.is_softened) return {};
-  std::string text = formatted("\nE = %.4g Pa in place of the ball's: ", c.youngs_modulus_pa);
+  std::string text = "\n";
+  if (c.is_softened) text += formatted("E = %.4g Pa in place of the ball's: ", c.youngs_modulus_pa);
   if (c.times_as_long) text += formatted("contacts last %.3g times as long, ", stretch * *c.times_as_long);
-  return text + formatted("the deepest overlap at %.3g m/s is %.2g %% of the radius", decks.v_mps,
-                          100.0 * stretch * c.overlap_m / c.radius_m);
+  const double of_radius = stretch * c.overlap_m / c.radius_m;  // as v^(4/5)
+  return text +
+         formatted("the deepest overlap at %.3g m/s is %.2g %% of the radius; up to %.3g m/s it is below a quarter",
+                   decks.v_mps, 100.0 * of_radius, decks.v_mps * pow(kDeepest / of_radius, 1.25));
 }
 
 constexpr double kFriction = 0.2;  // an example; eps along the normal does not depend on it
@@ -143,7 +159,7 @@ Values common(const Decks& decks, const std::string& mark, double stretch) {
   // contacts last as v^(-1/5), the way to the plate as 1/v: steps of v^(-1/5), as many as @contact@ + @way@ v^(-4/5)
   constexpr double kSteps = 200.0, kGap = 1e-4;  // a contact; radii above the plate
   const double step_s = c.duration_s / kSteps;
-  return {{"about", commented(filled(decks.about, {{"softness", softness(decks, stretch)}}), mark)},
+  return {{"about", commented(filled(decks.about, {{"overlap", overlap(decks, stretch)}}), mark)},
           {"v", number(decks.v_mps)},
           {"R", number(c.radius_m)},
           {"diameter", number(2.0 * c.radius_m)},

@@ -42,8 +42,9 @@ struct DemContact {
   std::optional<double> times_as_long{};  ///< a contact, where E was stated and the ball's own is known
 };
 
-/// As stiff as Hertz's law makes contacts that last as long as those of the ball do at v. Of a ball that is not known,
-/// or whose contacts are not: the paper's, a steel ball of 6 mm on glass.
+/// As stiff as Hertz's law makes contacts that last as long as those of the ball do at v. What is not named is as the
+/// paper's, a steel ball of 6 mm on glass; a ball whose stiffness is not known is as stiff as steel, a plate for which
+/// Hertz's theory does not hold as its modulus says: the words say so.
 /// @param youngs_modulus_pa  of the material of ball and plate, in place of that stiffness: of a simulation whose balls
 ///                           are softer than the measured one
 DemContact dem_contact(const std::optional<Ball>& ball, const std::optional<Material>& plate, double v_mps,
@@ -70,7 +71,8 @@ constexpr double kLeastOfLiggghts = 0.05, kLeastOfLammps = 0.114;
 /// What the inputs of all codes have in common.
 struct Decks {
   DemContact contact;
-  /// Where the numbers are from; one line or more, without marks of a comment. @softness@: what E does, by code.
+  /// Where the numbers are from; one line or more, without marks of a comment. @overlap@: how deep the ball goes, by
+  /// code.
   std::string about;
   double v_mps = 0.0;  ///< of the impact that the input makes where nothing else is asked for
 };

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
 #include <limits>
 #include <utility>
 
@@ -69,12 +70,19 @@ double distance(const CurveWithScatter& fit, EpsAt eps_at) {
 /// 0.002 (found at eps of 0.5 to 0.98).
 std::string within(const CurveWithScatter& fit, double off, double least_eps) {
   constexpr double kSteps = 0.002;
-  return formatted("within %.2g of sqrt(<eps^2>) as fitted at %.3g to %.3g m/s", off + kSteps * (1.0 - least_eps),
-                   fit.slowest(), fit.fastest());
+  return formatted("within %.2g of the fitted curve sqrt(<eps^2>) at %.3g to %.3g m/s",
+                   off + kSteps * (1.0 - least_eps), fit.slowest(), fit.fastest());
 }
 
 /// The viscoelastic inputs, each with the gamma for where its code ends contacts, or why there are none.
 void add_viscoelastic(DemExport& result, const Decks& base, const CurveWithScatter& fit, double off_constant) {
+  const auto none = [&](std::initializer_list<const char*> programs, const std::string& reason) {
+    for (const char* program : programs) result.missing.push_back({program, "viscoelastic", reason});
+  };
+  none({"MercuryDPM"}, "no viscoelastic model for MercuryDPM, which has no such contact");
+  if (!(fit.fastest() > fit.slowest()))
+    return none({"LIGGGHTS", "Yade", "LAMMPS"},
+                formatted("no viscoelastic model: all speeds are %.3g m/s, which tells no ε(v)", fit.slowest()));
   for (const ContactEnd end : {ContactEnd::force, ContactEnd::surfaces}) {
     const bool parting = end == ContactEnd::surfaces;
     const auto gamma = gamma_at(result.eps, base.v_mps, end);
@@ -97,8 +105,7 @@ void add_viscoelastic(DemExport& result, const Decks& base, const CurveWithScatt
           (gamma ? formatted("a sphere with that ε there is off by up to %.2g elsewhere, the constant by %.2g", off,
                              off_constant)
                  : std::string("no sphere has that ε"));
-      for (const char* program : parting ? std::vector{"LAMMPS"} : std::vector{"LIGGGHTS", "Yade"})
-        result.missing.push_back({program, "viscoelastic", reason});
+      parting ? none({"LAMMPS"}, reason) : none({"LIGGGHTS", "Yade"}, reason);
     }
   }
 }
@@ -128,8 +135,9 @@ std::optional<DemExport> dem_export(const Curve& curve, const std::optional<Scat
   Decks decks{dem_contact(ball, plate, v_mps, youngs_modulus_pa), {}, v_mps};
   result.ball = decks.contact.ball;
   const std::string at =
-      formatted("%.4f at %.3g m/s, root mean square: it keeps the energy that the impacts keep", result.eps, v_mps);
-  const std::string ball_line = "\nfriction 0.2 is an example; stiffness, size and mass: " + result.ball + "@softness@";
+      formatted("%.4f%s at %.3g m/s, root mean square: it keeps the energy that the impacts keep", result.eps,
+                result.se ? formatted(" (standard error %.2g)", *result.se).c_str() : "", v_mps);
+  const std::string ball_line = "\nfriction 0.2 is an example; stiffness, size and mass: " + result.ball + "@overlap@";
   const double off_constant = distance(fit, [&](double) { return result.eps; });
   constexpr double kSame = 1e-3;  // of eps
   const auto how_constant = [&](const char* eps) {
@@ -154,9 +162,16 @@ std::optional<DemExport> dem_export(const Curve& curve, const std::optional<Scat
                                                     (result.se ? formatted(", mean ± %.2g (95 %%) at %.3g m/s",
                                                                            kNormal95 * *result.se, v_mps)
                                                                : std::string())));
+  else
+    for (const char* program : {"C++", "Python", "formulas"})
+      result.missing.push_back(
+          {program, "fluctuating",
+           scatter ? formatted("nothing that fluctuates with the speed: all speeds are %.3g m/s", slowest)
+                   : std::string("nothing that fluctuates: the fit has no scatter")});
   if (memory)
-    result.snippets.push_back(
-        sampler_with_memory(memory->law, memory->q, slowest, fastest, "law and q of the fit with memory"));
+    add({sampler_with_memory(memory->law, memory->q, slowest, fastest, "law and q of the fit with memory")});
+  else
+    result.missing.push_back({"C++", "memory", "no memory: the fit with memory was not made, or it does not hold"});
   return result;
 }
 

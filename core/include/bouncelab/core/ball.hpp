@@ -36,6 +36,17 @@ inline constexpr Material kVitreloy{96e9, 0.36, 6100.0};
 /// J/(m R^2) of a homogeneous sphere; 2/3 of a thin shell.
 inline constexpr double kSolidBallInertia = 0.4;
 
+/// How long a ball touches the plate: tau = at_1_mps_s v^exponent.
+struct ContactDuration {
+  double at_1_mps_s = 0.0;  ///< >= 0; 0: instantaneous
+  double exponent = -0.2;   ///< -1/5 by Hertz; 0 of what acts as a spring
+  double spread = 0.1;      ///< standard deviation of ln tau: what is not known of it
+
+  double at(double v_mps) const { return at_1_mps_s * pow(v_mps, exponent); }
+
+  friend bool operator==(const ContactDuration&, const ContactDuration&) = default;
+};
+
 /// A ball, solid or hollow. Defaults: the paper's stainless-steel bearing ball.
 struct Ball {
   double radius_m = 3.0e-3;                   ///< > 0 [m]
@@ -43,6 +54,8 @@ struct Ball {
   double inertia_factor = kSolidBallInertia;  ///< J/(m R^2), in (0, 1]
   std::optional<double> contact_time_s =
       std::nullopt;  ///< measured, taken for all speeds and plates, > 0 [s]; absent: by Hertz
+  std::optional<ContactDuration> usual_contact =
+      std::nullopt;  ///< the catalogue's, of a ball that was named; one by numbers alone has none
 
   friend bool operator==(const Ball&, const Ball&) = default;
 };
@@ -74,17 +87,8 @@ double hertz_contact_time_s(const Ball& ball, const Material& plate, double v_mp
 /// Source: Johnson, Contact Mechanics (1985), 4.2 and 11.4, doi:10.1017/CBO9781139171731.
 double hertz_patch_radius_m(const Ball& ball, const Material& plate, double v_mps);
 
-/// How long a ball touches the plate: tau = at_1_mps_s v^exponent.
-struct ContactDuration {
-  double at_1_mps_s = 0.0;  ///< >= 0; 0: instantaneous
-  double exponent = -0.2;   ///< -1/5 by Hertz; 0 of what acts as a spring
-  double spread = 0.1;      ///< standard deviation of ln tau: what is not known of it
-
-  double at(double v_mps) const { return at_1_mps_s * pow(v_mps, exponent); }
-};
-
 /// What is known of it: as measured where the ball says so, by Hertz where his theory holds for both (within 10 %),
-/// else as the catalogue has it for a ball of this size and material; absent where none of them does.
+/// else as the catalogue has it for the ball that was named; absent where none of them does.
 std::optional<ContactDuration> contact_duration(const Ball& ball, const std::optional<Material>& plate);
 
 /// What a ball of a sport has to rebound when it is dropped: heights of its lowest point over a hard floor.
