@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "bouncelab/core/error.hpp"
 #include "bouncelab/core/restitution_law.hpp"
 #include "bouncelab/core/text.hpp"
 #include "bouncelab/fit/fit.hpp"

@@ -69,9 +69,9 @@ World world_of(const std::vector<fs::path>& files) {
 }
 
 void keep_world(const World& world, Parameters& parameters) {
-  for (const auto& [option, value] : world)
-    if (std::none_of(parameters.begin(), parameters.end(), [&](const Parameter& p) { return p.name == option; }))
-      parameters.push_back({option, {value}});
+  for (const World::value_type& known : world)
+    if (std::none_of(parameters.begin(), parameters.end(), [&](const Parameter& p) { return p.name == known.first; }))
+      parameters.push_back({known.first, {known.second}});
 }
 
 BallChoice in_world(const World& world, BallChoice choice, const std::string& of) {
