@@ -243,7 +243,7 @@ TEST_F(FitCommand, ACurveThatBelongsToNoBallIsNotWrittenAndThatIsSaid) {
   for (int k = 0; k < 200; ++k)
     samples += std::string(k < 100 ? "a" : "b") + "," + std::to_string(k / 50) + "," +
                std::to_string(0.3 + 0.02 * (k % 50)) + "," +
-               std::to_string(0.9 - 0.05 * (k / 100) + 0.002 * std::fmod(0.618 * k, 1.0)) + "\n";
+               std::to_string(0.9 - (k < 100 ? 0.0 : 0.05) + 0.002 * std::fmod(0.618 * k, 1.0)) + "\n";
   write("law.csv", "of an earlier run");
   const Result result = fit(samples, "--table law.csv");
   EXPECT_EQ(result.exit_code, 0);
