@@ -41,10 +41,10 @@ TEST(Printable, EscapesBytesThatAreNotUtf8) {
 }
 
 TEST(Printable, CutsALongTextInItsMiddleAndSaysHowLongItWas) {
-  const std::string cut = printable("begin" + std::string(100'000'000, 'x') + "end.wav");
+  const std::string cut = printable("begin" + std::string(8'000'000, 'x') + "end.wav");
   EXPECT_LE(cut.size(), 200U);
   EXPECT_THAT(cut, testing::StartsWith("beginxxx"));
-  EXPECT_THAT(cut, testing::EndsWith("xxxend.wav (100000012 bytes)"));
+  EXPECT_THAT(cut, testing::EndsWith("xxxend.wav (8000012 bytes)"));
   EXPECT_EQ(printable(std::string(200, 'x')), std::string(200, 'x'));
 }
 
