@@ -14,6 +14,7 @@
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/numerics.hpp"
 #include "bouncelab/core/parallel.hpp"
+#include "bouncelab/core/restitution_law.hpp"
 #include "numerics/numerics.hpp"
 
 namespace bouncelab::fit {
@@ -83,21 +84,26 @@ void smooth(RestitutionSamples& rows) {
   }
 }
 
-/// eps of each sample without its own scatter: the median of those about as fast.
+/// eps of each sample without its own scatter: between medians of those about as fast, straight in v.
 std::vector<double> eps_of_as_fast(const RestitutionSamples& samples) {
-  constexpr std::size_t kLeast = 3, kWindows = 24;  // on either side
-  const std::size_t n = samples.size(), reach = std::max(kLeast, n / kWindows);
+  constexpr std::size_t kFewestOfMedian = 7, kMostMedians = 24;
+  const std::size_t n = samples.size(), n_medians = std::clamp<std::size_t>(n / kFewestOfMedian, 1, kMostMedians);
   std::vector<std::size_t> order(n);
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(),
                    [&](std::size_t a, std::size_t b) { return samples[a].v_mps < samples[b].v_mps; });
-  std::vector<double> typical(n);
-  for (std::size_t k = 0; k < n; ++k) {
-    const std::size_t aside = std::min({reach, k, n - 1 - k});  // as many slower as faster ones
+  TableLaw medians;
+  for (std::size_t k = 0; k < n_medians; ++k) {
+    const std::size_t begin = k * n / n_medians, end = (k + 1) * n / n_medians;
+    const double v_mps = samples[order[(begin + end) / 2]].v_mps;
+    if (!medians.v_mps.empty() && !(v_mps > medians.v_mps.back())) continue;
     std::vector<double> eps;
-    for (std::size_t j = k - aside; j <= k + aside; ++j) eps.push_back(samples[order[j]].eps);
-    typical[order[k]] = median(std::move(eps));
+    for (std::size_t j = begin; j < end; ++j) eps.push_back(samples[order[j]].eps);
+    medians.v_mps.push_back(v_mps);
+    medians.eps.push_back(median(std::move(eps)));
   }
+  std::vector<double> typical;
+  for (const RestitutionSample& s : samples) typical.push_back(restitution(medians, s.v_mps));
   return typical;
 }
 
@@ -137,7 +143,8 @@ PlateSamples plate_samples(const RestitutionSamples& samples, const AirAndContac
   };
   if (known.has_drag) add_beside({kStep, 0.0});
   if (known.has_contact) add_beside({0.0, kStep});
-  const std::vector<double> typical = eps_of_as_fast(samples);
+  const std::vector<double> typical =
+      n_open > 0 && n > 0 ? eps_of_as_fast(samples) : std::vector<double>(samples.size());
   Eigen::Index row = 0;
   for (Drop& drop : drops) {
     std::stable_sort(drop.rows.begin(), drop.rows.end(),
