@@ -86,7 +86,7 @@ void smooth(RestitutionSamples& rows) {
 
 /// eps of each sample without its own scatter: between medians of those about as fast, straight in v.
 std::vector<double> eps_of_as_fast(const RestitutionSamples& samples) {
-  constexpr std::size_t kFewestOfMedian = 7, kMostMedians = 24;
+  constexpr std::size_t kFewestOfMedian = 3, kMostMedians = 24;
   const std::size_t n = samples.size(), n_medians = std::clamp<std::size_t>(n / kFewestOfMedian, 1, kMostMedians);
   std::vector<std::size_t> order(n);
   std::iota(order.begin(), order.end(), std::size_t{0});
@@ -101,6 +101,20 @@ std::vector<double> eps_of_as_fast(const RestitutionSamples& samples) {
     for (std::size_t j = begin; j < end; ++j) eps.push_back(samples[order[j]].eps);
     medians.v_mps.push_back(v_mps);
     medians.eps.push_back(median(std::move(eps)));
+  }
+  if (const std::size_t last = medians.v_mps.size() - 1; last > 0) {  // straight on to the slowest and the fastest
+    const auto beyond = [&](std::size_t from, std::size_t to, double v_mps) {
+      const double slope = (medians.eps[to] - medians.eps[from]) / (medians.v_mps[to] - medians.v_mps[from]);
+      return std::pair(v_mps, medians.eps[to] + slope * (v_mps - medians.v_mps[to]));
+    };
+    const auto slowest = beyond(1, 0, samples[order.front()].v_mps),
+               fastest = beyond(last - 1, last, samples[order.back()].v_mps);
+    if (slowest.first < medians.v_mps.front()) {
+      medians.v_mps.insert(medians.v_mps.begin(), slowest.first);
+      medians.eps.insert(medians.eps.begin(), slowest.second);
+    }
+    if (fastest.first > medians.v_mps.back())
+      medians.v_mps.push_back(fastest.first), medians.eps.push_back(fastest.second);
   }
   std::vector<double> typical;
   for (const RestitutionSample& s : samples) typical.push_back(restitution(medians, s.v_mps));
