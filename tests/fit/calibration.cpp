@@ -164,8 +164,12 @@ std::pair<double, double> slope_bounds(const CalibrationConfig& config, const Re
                                        const Sides& sides, double v_mps) {
   // as many as make the prior on the sides' ratio negligible
   constexpr std::size_t kCopies = 4000;
-  const LawData data{std::vector(kCopies, v_mps), std::vector(kCopies, restitution(config.law, v_mps)),
-                     std::vector(kCopies, timing_error(config, v_mps)), std::vector<std::size_t>(kCopies, 0)};
+  const LawData data{std::vector(kCopies, v_mps),
+                     std::vector(kCopies, restitution(config.law, v_mps)),
+                     std::vector(kCopies, timing_error(config, v_mps)),
+                     std::vector<std::size_t>(kCopies, 0),
+                     {},
+                     {}};
   const LawModel model = make_law_model(LawKind::constant, {}, data.v_mps);
   const LawLikelihood likelihood(data, model, {false, 1, v_mps});
   Eigen::VectorXd theta(3);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 #include <numbers>
+#include <utility>
 
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/numerics.hpp"
@@ -78,6 +79,9 @@ LawData thinned_and_widened(const LawLikelihood& likelihood, const Eigen::Vector
   for (std::size_t k = stride / 2; k < all.size(); k += stride) {
     data.v_mps.push_back(all.v_mps[k]);
     data.tau.push_back(all.tau[k]);
+    if (!likelihood.scatter().by_place) continue;
+    data.log_below.push_back(all.log_below[k]);
+    data.log_above.push_back(all.log_above[k]);
   }
   data.eps.resize(data.size());
   if (stride > 1)
@@ -86,11 +90,10 @@ LawData thinned_and_widened(const LawLikelihood& likelihood, const Eigen::Vector
   return data;
 }
 
-double draw_scatter(const ScatterModel& scatter, double v_mps, Random& random) {
-  const double below = scatter.below(v_mps), above = scatter.above(v_mps);
+double draw_scatter(double below, double above, double normal_ratio, Random& random) {
   const double exponential =
       random.uniform() < above / (above + below) ? above * random.exponential() : -below * random.exponential();
-  return exponential + (scatter.normal_ratio > 0.0 ? scatter.normal(v_mps) * random.normal() : 0.0);
+  return exponential + (normal_ratio > 0.0 ? normal_ratio * std::sqrt(below * above) * random.normal() : 0.0);
 }
 
 }  // namespace
@@ -117,15 +120,17 @@ AndersonDarling anderson_darling_test(const LawLikelihood& likelihood, const Max
   const LawData design = thinned_and_widened(likelihood, maximum.x);
   const LawLikelihood thin(design, likelihood.model(), likelihood.scatter());
   const Eigen::MatrixXd information = thin.information(maximum.x);
-  const ScatterModel scatter = likelihood.scatter_model(maximum.x);
+  const double normal_ratio = likelihood.scatter_model(maximum.x).normal_ratio;
+  std::vector<std::pair<double, double>> sides;
+  for (std::size_t k = 0; k < design.size(); ++k) sides.push_back(thin.sides_of(maximum.x, k));
   const Eigen::VectorXd eps = thin.model().eps(design.v_mps, maximum.x.head(thin.model().n_parameters()));
   std::vector<double> a2(n_replicates, 0.0);
   parallel_for(n_replicates, 0, [&](std::size_t i) {
     Random random(seed, RandomStream::bootstrap, i);
     LawData data = design;
     for (std::size_t k = 0; k < data.size(); ++k)
-      data.eps[k] = eps[static_cast<Eigen::Index>(k)] + draw_scatter(scatter, data.v_mps[k], random) +
-                    data.tau[k] * random.normal();
+      data.eps[k] = eps[static_cast<Eigen::Index>(k)] +
+                    draw_scatter(sides[k].first, sides[k].second, normal_ratio, random) + data.tau[k] * random.normal();
     const LawLikelihood drawn(data, likelihood.model(), likelihood.scatter());
     a2[i] = anderson_darling(drawn.probabilities_below(maximise(std::cref(drawn), maximum.x, information, 0.02).x));
   });

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <span>
 #include <utility>
 
@@ -19,10 +20,11 @@
 namespace bouncelab::fit {
 namespace {
 
+constexpr std::size_t kTwoTerms = 5, kThreeTerms = 8;  // samples
+
 /// The law that samples can say something of: as asked for from eight on, two terms of a series from five on, a
 /// constant below, and where all have about one speed.
 LawFitConfig for_these(LawFitConfig config, const LawData& data, std::vector<Note>& notes) {
-  constexpr std::size_t kThreeTerms = 8, kTwoTerms = 5;
   const std::size_t n = data.size();
   if (n == 0) return config;
   const double lo = data.v_mps[n / 20], hi = data.v_mps[n - 1 - n / 20];
@@ -41,6 +43,32 @@ LawFitConfig for_these(LawFitConfig config, const LawData& data, std::vector<Not
   config.kind = LawKind::constant;
   notes.push_back({NoteKind::one_constant, {static_cast<double>(n)}});
   return config;
+}
+
+/// A law of samples, and the likeliest scatter about it.
+struct LawAndScatter {
+  LawKind kind;
+  LawModel model;
+  std::optional<Candidate> candidate;
+};
+
+/// As configured. Where speeds count as one, two terms of the series that was asked for if the samples show how eps
+/// falls among them: many precise ones do.
+LawAndScatter law_and_scatter(const LawData& data, const LawFitConfig& config, LawFitConfig asked) {
+  const auto fitted = [&](const LawFitConfig& law) {
+    LawModel model = make_law_model(law.kind, law.orders, data.v_mps);
+    auto candidate = best_candidate(data, model, law);
+    return LawAndScatter{law.kind, std::move(model), std::move(candidate)};
+  };
+  LawAndScatter likeliest = fitted(config);
+  constexpr double kLeastRatio = 1.01;
+  if (config.kind != LawKind::constant || asked.kind != LawKind::series || asked.orders.size() < 2 ||
+      data.size() < kThreeTerms || !(data.v_mps.back() > kLeastRatio * data.v_mps.front()))
+    return likeliest;
+  asked.orders.resize(2);
+  LawAndScatter series = fitted(asked);
+  if (series.candidate && likeliest.candidate && is_better(*series.candidate, *likeliest.candidate)) return series;
+  return likeliest;
 }
 
 }  // namespace
@@ -64,8 +92,11 @@ LawFit fitted_law(const RestitutionSamples& samples, const LawFitConfig& asked) 
     return fit;
   }
 
-  const LawModel model = make_law_model(config.kind, config.orders, data.v_mps);
-  auto candidate = best_candidate(data, model, config);
+  LawAndScatter found = law_and_scatter(data, config, asked);
+  if (found.kind != config.kind) fit.notes.clear();
+  fit.kind = found.kind;
+  const LawModel& model = found.model;
+  std::optional<Candidate>& candidate = found.candidate;
   // outliers widen the scatter they are judged by: again until none is left
   while (candidate && data.size() > kFewest && remove_outliers(data, model, *candidate, rows, fit.outliers)) {
     data = law_data(samples, rows);

@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "bouncelab/core/elementary.hpp"
+#include "numerics/numerics.hpp"
 
 namespace bouncelab::fit {
 namespace {
@@ -76,6 +77,18 @@ void add_powers(std::size_t n, const double* a, const double* x, std::size_t n_p
   }
 }
 
+/// Columns of polynomials in x that follow the scales of the places: what is stated as scatter is a function of speed.
+Eigen::MatrixXd scales_of_places(const LawData& data, const std::vector<double>& x) {
+  constexpr Eigen::Index kTerms = 3;
+  const auto n = static_cast<Eigen::Index>(x.size());
+  Eigen::MatrixXd powers(n, kTerms), columns(kTerms, 2);
+  for (Eigen::Index k = 0; k < n; ++k)
+    for (Eigen::Index j = 0; j < kTerms; ++j) powers(k, j) = power(x[static_cast<std::size_t>(k)], static_cast<int>(j));
+  columns.col(0) = least_squares(powers, Eigen::Map<const Eigen::VectorXd>(data.log_below.data(), n));
+  columns.col(1) = least_squares(powers, Eigen::Map<const Eigen::VectorXd>(data.log_above.data(), n));
+  return columns;
+}
+
 }  // namespace
 
 LawLikelihood::LawLikelihood(const LawData& data, const LawModel& model, const ScatterFamily& scatter)
@@ -86,6 +99,7 @@ LawLikelihood::LawLikelihood(const LawData& data, const LawModel& model, const S
   for (const double v : data.v_mps) x_.push_back(v / scatter.v_ref_mps);
   log_each(x_);
   // between one knot before the first sample and one behind the last
+  if (scatter.by_place) of_places_ = scales_of_places(data, x_);
   knot_distance_ = std::max((x_.back() - x_.front()) / static_cast<double>(kKnots - 3), 1e-9);
 }
 
@@ -127,9 +141,14 @@ void LawLikelihood::compute_curve(const Eigen::VectorXd& theta, SampleBlock& s) 
 
 void LawLikelihood::compute_sides(const Eigen::VectorXd& theta, SampleBlock& s) const {
   const double *c = theta.data() + n_law_, *x = &x_[s.begin];
+  const auto add = [&](const std::vector<double>& of_place, Block& value) {
+    if (scatter_.by_place) add_scaled(s.n, &of_place[s.begin], 1.0, value.data());
+  };
   log_scales(s.n, x, c, scatter_.n_terms, s.sides.b_below);
+  add(data_.log_below, s.sides.b_below);
   exp_each(std::span(s.sides.b_below).first(s.n));
   log_scales(s.n, x, c + scatter_.n_terms, scatter_.n_terms, s.sides.b_above);
+  add(data_.log_above, s.sides.b_above);
   exp_each(std::span(s.sides.b_above).first(s.n));
   s.sides.complete(s.n);
 }
@@ -210,10 +229,13 @@ namespace {
 
 constexpr double kPrecisionOfRatio = 0.25;  // of rho: a factor 7 either way is one standard deviation
 
-/// Precision of the sides' log ratio, its term of the k-th power of log speed: a variance of 1/2, 1/8 ...
-double precision_of_asymmetry(Eigen::Index k) { return std::ldexp(1.0, 2 * static_cast<int>(k) + 1); }
-
 }  // namespace
+
+/// Precision of the sides' log ratio, its term of the k-th power of log speed: a variance of 1/2, 1/8 ... A rough
+/// ball's is known to a tenth: of asperities that differ in size it is not quite that of the theory.
+double LawLikelihood::precision_of_asymmetry(Eigen::Index k) const {
+  return scatter_.by_place ? 100.0 : std::ldexp(1.0, 2 * static_cast<int>(k) + 1);
+}
 
 double LawLikelihood::penalty(const Eigen::VectorXd& theta, Eigen::VectorXd* gradient) const {
   const auto n_terms = static_cast<Eigen::Index>(scatter_.n_terms);
@@ -256,8 +278,22 @@ void LawLikelihood::add_penalty_curvature(const Eigen::VectorXd& theta, Eigen::M
   }
 }
 
+std::pair<double, double> LawLikelihood::sides_of(const Eigen::VectorXd& theta, std::size_t k) const {
+  SampleBlock s;
+  s.begin = k;
+  s.n = 1;
+  compute_sides(theta, s);
+  return {s.sides.b_below[0], s.sides.b_above[0]};
+}
+
 ScatterModel LawLikelihood::scatter_model(const Eigen::VectorXd& theta) const {
   ScatterModel result = scatter_model_of(theta, n_law_, scatter_);
+  for (Eigen::Index side = 0; side < of_places_.cols(); ++side) {
+    std::vector<double>& terms = side == 0 ? result.log_below : result.log_above;
+    const double log_q = terms.front();
+    terms.assign(of_places_.col(side).begin(), of_places_.col(side).end());
+    terms.front() += log_q;
+  }
   result.normal_ratio = std::sqrt(square_of_normal_ratio(theta));
   return result;
 }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "bouncelab/core/parallel.hpp"
@@ -27,6 +28,8 @@ struct ScatterFamily {
   double lost_share = 0.0;  ///< of bounces whose eps may be anything from 0 to 2
   std::optional<double> log_size =
       std::nullopt;  ///< log b at v_ref by a first look: the prior that keeps the scale from 0
+  /// Scales are those of a rough ball released at rest, q times what LawData has of each impact's place in its drop.
+  bool by_place = false;
   Eigen::Index n_parameters() const { return static_cast<Eigen::Index>(2 * n_terms + (has_normal_part ? 1 : 0)); }
 };
 
@@ -85,6 +88,8 @@ class LawLikelihood {
   std::vector<Eigen::MatrixXd> information_by_drop(const Eigen::VectorXd& theta) const;
   std::size_t n_drops() const;
   ScatterModel scatter_model(const Eigen::VectorXd& theta) const;
+  /// b_below and b_above of sample k.
+  std::pair<double, double> sides_of(const Eigen::VectorXd& theta, std::size_t k) const;
 
   const LawData& data() const { return data_; }
   const LawModel& model() const { return model_; }
@@ -127,6 +132,7 @@ class LawLikelihood {
   void compute_sides(const Eigen::VectorXd& theta, SampleBlock& s) const;
   void compute_peaks(const Shape& shape, SampleBlock& s) const;
   void add_scores(SampleBlock& s, double* sums) const;
+  double precision_of_asymmetry(Eigen::Index k) const;
   double penalty(const Eigen::VectorXd& theta, Eigen::VectorXd* gradient) const;
   void add_penalty_curvature(const Eigen::VectorXd& theta, Eigen::MatrixXd& information) const;
   Eigen::Matrix4d information_of(const Eigen::VectorXd& theta, const Shape& shape, std::size_t k) const;
@@ -141,6 +147,7 @@ class LawLikelihood {
   Eigen::Index n_law_;
   double odds_of_lost_density_ = 0.0;  ///< the density of lost bounces against the share of those that are not
   std::vector<double> x_;              ///< log(v / v_ref)
+  Eigen::MatrixXd of_places_;          ///< by_place: columns of powers of x that follow log b_below/q, log b_above/q
   double knot_distance_ = 1.0;         ///< in x
   Eigen::MatrixXd basis_;              ///< a row a sample
 };

@@ -203,6 +203,26 @@ std::vector<std::size_t> by_speed(const RestitutionSamples& samples) {
   return order;
 }
 
+namespace {
+
+/// b = (1 + eps) q (sqrt(1 + S/v^2) +- 1), S the sum of (1 + eps)^2 v^2 over the n earlier impacts of the drop
+/// (docs/physics.md, 7): of one eps S/v^2 = (1 + eps)/(1 - eps) (eps^(-2n) - 1).
+void add_places(LawData& data, const RestitutionSamples& samples, const std::vector<std::size_t>& order) {
+  if (order.empty()) return;
+  // at a first impact b_above is 0, and a release that is not quite at rest contradicts it: kLeast leaves room for that
+  constexpr double kLeast = 0.5, kMost = 1e6;
+  const double eps = std::clamp(median(data.eps), 0.05, 0.9999);
+  for (const std::size_t k : order) {
+    const double share = std::clamp(
+        (1.0 + eps) / (1.0 - eps) * expm1(-2.0 * log(eps) * static_cast<double>(samples[k].impact)), kLeast, kMost);
+    const double root = std::sqrt(1.0 + share);
+    data.log_below.push_back(log((1.0 + eps) * (root + 1.0)));
+    data.log_above.push_back(log((1.0 + eps) * (root - 1.0)));
+  }
+}
+
+}  // namespace
+
 LawData law_data(const RestitutionSamples& samples, const std::vector<std::size_t>& order) {
   std::vector<std::size_t> drop_of(samples.size(), samples.size());
   for (const std::size_t k : order) drop_of[k] = 0;
@@ -217,6 +237,7 @@ LawData law_data(const RestitutionSamples& samples, const std::vector<std::size_
     data.tau.push_back(hypot(s.sigma_eps.value_or(0.0), kResolution));
     data.drop.push_back(drop_of[k]);
   }
+  add_places(data, samples, order);
   return data;
 }
 

@@ -79,6 +79,8 @@ struct LawData {
   std::vector<double> v_mps, eps;
   std::vector<double> tau;        ///< standard deviation of the normal part: timing error, > 0
   std::vector<std::size_t> drop;  ///< number of the drop each sample belongs to, from 0, none left out
+  /// Of a rough ball that was released at rest: log of b_below/q and b_above/q, by the place of the impact in its drop.
+  std::vector<double> log_below, log_above;
   std::size_t size() const { return v_mps.size(); }
 };
 

@@ -189,11 +189,37 @@ Candidate fit_family(const LawData& data, const LawModel& model, const ScatterFa
   return candidate;
 }
 
-bool is_better(const Candidate& a, const Candidate& b) {
-  return (a.maximum.converged && !b.maximum.converged) || (a.maximum.converged == b.maximum.converged && a.bic < b.bic);
+/// With the scales of a rough ball released at rest, near another candidate. The sides' ratio is hardly free, so it
+/// does not count as a parameter.
+Candidate fit_by_place(const LawData& data, const LawModel& model, const Candidate& near) {
+  ScatterFamily family{false, 1, near.family.v_ref_mps, near.family.lost_share};
+  family.by_place = true;
+  const Eigen::Index n_law = model.n_parameters();
+  const ScatterModel seen = LawLikelihood(near.data, model, near.family).scatter_model(near.maximum.x);
+  double log_q = 0.0;
+  for (std::size_t k = 0; k < data.size(); ++k)
+    log_q += 0.5 * (log(seen.variance(data.v_mps[k]) / 2.0) - data.log_below[k] - data.log_above[k]);
+  log_q /= static_cast<double>(data.size());
+  Eigen::VectorXd start(n_law + 2);
+  start << near.maximum.x.head(n_law), log_q, log_q;
+  Candidate candidate{family, data, {}};
+  widen(candidate.data, seen, std::sqrt(static_cast<double>(n_law) / static_cast<double>(data.size())));
+  candidate.family.log_size = log_q;
+  const LawLikelihood likelihood(candidate.data, model, candidate.family);
+  candidate.maximum = maximise(std::cref(likelihood), start, likelihood.information(start));
+  if (!candidate.maximum.converged)
+    candidate.maximum =
+        maximise(std::cref(likelihood), candidate.maximum.x, likelihood.information(candidate.maximum.x));
+  candidate.bic =
+      static_cast<double>(n_law + 1) * log(static_cast<double>(data.size())) - 2.0 * candidate.maximum.loglik;
+  return candidate;
 }
 
 }  // namespace
+
+bool is_better(const Candidate& a, const Candidate& b) {
+  return (a.maximum.converged && !b.maximum.converged) || (a.maximum.converged == b.maximum.converged && a.bic < b.bic);
+}
 
 std::optional<Candidate> best_candidate(const LawData& data, const LawModel& model, const LawFitConfig& config) {
   std::optional<Candidate> best;
@@ -215,12 +241,19 @@ std::optional<Candidate> best_candidate(const LawData& data, const LawModel& mod
     const bool rounds_the_peak = undecided && best->maximum.converged && !(candidate.maximum.x.tail(1)[0] > 0.0);
     if (!best || (is_better(candidate, *best) && !rounds_the_peak)) best = std::move(candidate);
   }
+  if (best && best->maximum.converged && config.n_scatter_terms == 0) {
+    // "very strong" evidence: Kass and Raftery, doi:10.1080/01621459.1995.10476572
+    constexpr double kVeryStrong = 10.0;
+    Candidate candidate = fit_by_place(data, model, *best);
+    if (candidate.maximum.converged && candidate.bic < best->bic - kVeryStrong) best = std::move(candidate);
+  }
   return best;
 }
 
 std::optional<Candidate> again_without_outliers(const LawData& data, const LawModel& model, const Candidate& before) {
   const std::optional<FirstLook> look = first_look(data, model);
   if (!look) return std::nullopt;
+  if (before.family.by_place) return fit_by_place(data, model, before);
   return fit_family(data, model, before.family, start_values(*look, before.family), before.maximum.x);
 }
 

@@ -36,11 +36,16 @@ struct Candidate {
   double bic = HUGE_VAL;
 };
 
-/// By BIC how the widths go with speed, and from 1000 samples on whether there is a normal part beside the
-/// exponentials. Fewer may hide one, and without it the peak would be too sure of itself; of two pure exponentials it
-/// takes the information on the kink. One smaller than the exponentials is left out too: a rough ball's density is a
-/// little rounded, and where its exponentials join is nearer to eps(v) than the rounded peak (docs/physics.md). Never
-/// whether the sides differ: a test that misses a difference would bias the peak by it.
+/// Converged before not, then by BIC.
+bool is_better(const Candidate& a, const Candidate& b);
+
+/// By BIC how the widths go with speed, whether they go with the place of an impact in its drop, as those of a rough
+/// ball released at rest do (its first impacts only lose, and a function of speed alone takes that for a lower eps),
+/// and from 1000 samples on whether there is a normal part beside the exponentials. Fewer may hide one, and without it
+/// the peak would be too sure of itself; of two pure exponentials it takes the information on the kink. One smaller
+/// than the exponentials is left out too: a rough ball's density is a little rounded, and where its exponentials join
+/// is nearer to eps(v) than the rounded peak (docs/physics.md). Never whether the sides differ: a test that misses a
+/// difference would bias the peak by it.
 std::optional<Candidate> best_candidate(const LawData& data, const LawModel& model, const LawFitConfig& config);
 
 /// The same family when outliers were set aside, from where its search ended before.
