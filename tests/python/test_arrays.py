@@ -151,6 +151,20 @@ class TablesIn(Case):
         self.assertEqual(fit.results["n_used"], 3)
         self.assertEqual(sum(fit.results["n_left_out"].values()), 3)
 
+    def test_masked_entries_are_missing(self):
+        v, eps = np.full(9, 1.0), np.where(np.arange(9) < 3, 0.5, 0.9 + 0.001 * np.arange(9))
+        expected = bl.fit({"v_mps": v, "eps": np.where(eps == 0.5, np.nan, eps)}, goodness_replicates=0)
+        masked = np.ma.masked_array(eps, eps == 0.5)
+        for samples in (bl.Samples(v=v, eps=masked), {"v_mps": v, "eps": masked}):
+            self.assertEqual(bl.fit(samples, goodness_replicates=0).results, expected.results)
+        self.assertEqual(expected.results["n_used"], 6)
+        with self.assertRaisesRegex(ValueError, "row 3, column t_s: a number is missing"):
+            bl.restitution({"t_s": np.ma.masked_array(self.t, [0, 0, 1, 0, 0])})
+        with self.assertRaisesRegex(ValueError, "column drop, row 2: nan is not an integer"):
+            bl.restitution(bl.Onsets(t=self.t, drop=np.ma.masked_array([0] * 5, [0, 1, 0, 0, 0])))
+        names = bl.Onsets(t=self.t, recording=np.ma.masked_array(["a"] * 5, [0, 1, 0, 0, 0]))
+        self.assertEqual(list(names.recording), ["a", "", "a", "a", "a"])
+
     def test_texts_of_another_alphabet(self):
         onsets = bl.Onsets(t=self.t, recording=["Kugel \u00e4\u03b5 \u2026"] * 5, drop=[0] * 5, impact=range(5))
         self.assertEqual(set(bl.restitution(onsets).recording), {"Kugel \u00e4\u03b5 \u2026"})

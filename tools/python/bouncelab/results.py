@@ -53,6 +53,16 @@ def _speeds(v: npt.ArrayLike) -> Array:
     return speeds
 
 
+def _array(values: Any) -> Any:
+    """A column as an array; what is masked is missing: NaN, in texts empty."""
+    import numpy as np
+
+    if not np.ma.isMaskedArray(values):
+        return np.asarray(values)
+    is_number = values.dtype.kind in "fiub"
+    return values.astype(float if is_number else object).filled(np.nan if is_number else "") if np.ma.is_masked(values) else values.data
+
+
 class Table(Mapping[str, Any]):
     """Columns by name, each a NumPy array; the names and units of docs/formats.md.
 
@@ -67,13 +77,11 @@ class Table(Mapping[str, Any]):
 
     def __init__(self, columns: Optional[Mapping[str, Any]] = None, *, summary: Optional[dict] = None,
                  world: Optional[Mapping[str, str]] = None, **arrays: Any):
-        import numpy as np
-
-        self._columns: Dict[str, Any] = {self._short.get(name, name): values for name, values in (columns or {}).items()}
+        self._columns: Dict[str, Any] = {self._short.get(name, name): _array(values) for name, values in (columns or {}).items()}
         for name, values in arrays.items():
             if name not in self._short and name not in self._short.values():
                 raise TypeError(f"{type(self).__name__} has no column '{name}'; it has {', '.join(self._short)}")
-            self._columns[self._short.get(name, name)] = np.asarray(values)
+            self._columns[self._short.get(name, name)] = _array(values)
         #: What the command prints with --json.
         self.summary: dict = summary or {}
         #: What is known of how the impacts came about, by the options of `simulate`: ball, plate, asperities, drag, gravity.
