@@ -257,6 +257,16 @@ class Tables(Case):
         again = bl.restitution(self.onsets.to_dict())
         np.testing.assert_array_equal(again.eps, self.samples.eps)
 
+    def test_a_column_that_is_assigned_is_refused_and_the_remedies_work(self):
+        samples = bl.Samples(v=[1.0, 0.9], eps=[0.9, 0.8])
+        for name in ("eps", "sigma", "v_mps"):  # also one that is not there, and a long name
+            with self.assertRaisesRegex(AttributeError, rf"table\['{name}'\]\[:\] = .*Samples\({{\*\*table, '{name}': "):
+                setattr(samples, name, [0.5, 0.4])
+        another = bl.Samples({**samples, "eps": [0.5, 0.4]}, world=samples.world)
+        samples["eps"][:] = [0.5, 0.4]
+        self.assertEqual(samples, another)
+        self.assertEqual(list(another.eps), [0.5, 0.4])
+
     def test_rows(self):
         for rows in (slice(5), slice(None, None, 30), self.onsets.drop == 2, [3, 1], np.array([], int)):
             some = self.onsets[rows]

@@ -196,6 +196,12 @@ class Table(Mapping[str, Any]):
         except KeyError:
             raise AttributeError(f"these {self._kind} have no column {self._short[name]}") from None
 
+    def __setattr__(self, name: str, value: Any) -> None:
+        if name in self._short or name in self._short.values():
+            raise AttributeError(f"columns are not assigned: table['{name}'][:] = ... changes one in place, {type(self).__name__}({{**table, "
+                                 f"'{name}': ...}}, world=table.world) is a table with another")
+        super().__setattr__(name, value)
+
     def __dir__(self) -> List[str]:
         return sorted({*super().__dir__(), *self._short})
 
