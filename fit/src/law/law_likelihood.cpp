@@ -98,8 +98,8 @@ LawLikelihood::LawLikelihood(const LawData& data, const LawModel& model, const S
   x_.reserve(data.size());
   for (const double v : data.v_mps) x_.push_back(v / scatter.v_ref_mps);
   log_each(x_);
-  // between one knot before the first sample and one behind the last
   if (scatter.by_place) of_places_ = scales_of_places(data, x_);
+  // between one knot before the first sample and one behind the last
   knot_distance_ = std::max((x_.back() - x_.front()) / static_cast<double>(kKnots - 3), 1e-9);
 }
 

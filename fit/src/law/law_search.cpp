@@ -170,49 +170,47 @@ std::vector<std::size_t> numbers_of_terms(const LawFitConfig& config, std::size_
   return {3, 2, 1};
 }
 
-/// @param start  the timing errors are widened by its scales
-/// @param near   where the search begins
-Candidate fit_family(const LawData& data, const LawModel& model, const ScatterFamily& family,
-                     const Eigen::VectorXd& start, const Eigen::VectorXd& near) {
+/// @param near       where the search begins
+/// @param widths     the timing errors are widened by these
+/// @param n_counted  parameters that BIC counts
+Candidate fit_near(const Eigen::VectorXd& near, const LawData& data, const LawModel& model, const ScatterFamily& family,
+                   const ScatterModel& widths, Eigen::Index n_counted) {
   Candidate candidate{family, data, {}};
-  const Eigen::Index below = model.n_parameters(), above = below + static_cast<Eigen::Index>(family.n_terms);
-  candidate.family.log_size = 0.5 * (start[below] + start[above]);
   const auto n = static_cast<double>(data.size());
-  widen(candidate.data, scatter_model_of(start, model.n_parameters(), family),
-        std::sqrt(static_cast<double>(model.n_parameters()) / n));
+  widen(candidate.data, widths, std::sqrt(static_cast<double>(model.n_parameters()) / n));
   const LawLikelihood likelihood(candidate.data, model, candidate.family);
   candidate.maximum = maximise(std::cref(likelihood), near, likelihood.information(near));
   if (!candidate.maximum.converged)  // the metric of a poor start may be poor: once more from where it led
     candidate.maximum =
         maximise(std::cref(likelihood), candidate.maximum.x, likelihood.information(candidate.maximum.x));
-  candidate.bic = static_cast<double>(likelihood.n_parameters()) * log(n) - 2.0 * candidate.maximum.loglik;
+  candidate.bic = static_cast<double>(n_counted) * log(n) - 2.0 * candidate.maximum.loglik;
   return candidate;
+}
+
+/// @param start  has the scales of a first look
+Candidate fit_family(const LawData& data, const LawModel& model, ScatterFamily family, const Eigen::VectorXd& start,
+                     const Eigen::VectorXd& near) {
+  const Eigen::Index n_law = model.n_parameters(), below = n_law,
+                     above = n_law + static_cast<Eigen::Index>(family.n_terms);
+  family.log_size = 0.5 * (start[below] + start[above]);
+  return fit_near(near, data, model, family, scatter_model_of(start, n_law, family), n_law + family.n_parameters());
 }
 
 /// With the scales of a rough ball released at rest, near another candidate. The sides' ratio is hardly free, so it
 /// does not count as a parameter.
-Candidate fit_by_place(const LawData& data, const LawModel& model, const Candidate& near) {
-  ScatterFamily family{false, 1, near.family.v_ref_mps, near.family.lost_share};
+Candidate fit_by_place(const LawData& data, const LawModel& model, const Candidate& other) {
+  ScatterFamily family{false, 1, other.family.v_ref_mps, other.family.lost_share};
   family.by_place = true;
   const Eigen::Index n_law = model.n_parameters();
-  const ScatterModel seen = LawLikelihood(near.data, model, near.family).scatter_model(near.maximum.x);
+  const ScatterModel seen = LawLikelihood(other.data, model, other.family).scatter_model(other.maximum.x);
   double log_q = 0.0;
   for (std::size_t k = 0; k < data.size(); ++k)
     log_q += 0.5 * (log(seen.variance(data.v_mps[k]) / 2.0) - data.log_below[k] - data.log_above[k]);
   log_q /= static_cast<double>(data.size());
-  Eigen::VectorXd start(n_law + 2);
-  start << near.maximum.x.head(n_law), log_q, log_q;
-  Candidate candidate{family, data, {}};
-  widen(candidate.data, seen, std::sqrt(static_cast<double>(n_law) / static_cast<double>(data.size())));
-  candidate.family.log_size = log_q;
-  const LawLikelihood likelihood(candidate.data, model, candidate.family);
-  candidate.maximum = maximise(std::cref(likelihood), start, likelihood.information(start));
-  if (!candidate.maximum.converged)
-    candidate.maximum =
-        maximise(std::cref(likelihood), candidate.maximum.x, likelihood.information(candidate.maximum.x));
-  candidate.bic =
-      static_cast<double>(n_law + 1) * log(static_cast<double>(data.size())) - 2.0 * candidate.maximum.loglik;
-  return candidate;
+  family.log_size = log_q;
+  Eigen::VectorXd near(n_law + 2);
+  near << other.maximum.x.head(n_law), log_q, log_q;
+  return fit_near(near, data, model, family, seen, n_law + 1);
 }
 
 }  // namespace
