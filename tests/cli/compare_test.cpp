@@ -232,6 +232,10 @@ TEST_F(CompareCommand, SaysWhereBallGravityOrCorrectionsDiffer) {
     ASSERT_EQ(run("restitution " + name + ".csv --out " + name + "s.csv").exit_code, 0);
   EXPECT_THAT(run("compare as.csv bs.csv --out same").err, testing::Not(testing::HasSubstr("of another ball")));
   const Result result = run("compare as.csv bs.csv cs.csv --out o");
+  // of so few there is no model of all, whose columns from eps to p_value are empty and not 0
+  const std::string table = content("o/comparison.csv");
+  EXPECT_THAT(table.substr(table.find('\n', table.find("recording,"))), testing::Not(testing::HasSubstr(",0,0,0,")));
+  EXPECT_THAT(table, testing::HasSubstr(",,,,,,"));
   EXPECT_THAT(result.err + result.out,
               testing::HasSubstr("of another ball, plate, gravity or correction than the first"));
 }

@@ -248,6 +248,9 @@ Table to_table(const BetweenRecordings& between, const std::vector<CampaignRecor
   const auto reals = [&](auto&& of) {
     return column_of(0.0, [&](std::size_t k) { return between.rows[k].why_not ? kNotKnown : of(k); });
   };
+  const auto of_model = [&](double RecordingRow::*value) {
+    return reals([&](std::size_t k) { return between.status == FitStatus::ok ? between.rows[k].*value : kNotKnown; });
+  };
   const auto& rows = between.rows;
   const auto summary = [&](std::size_t k) -> const RecordingSummary& { return recordings[k].summary; };
   const auto of_group = [&](auto&& of) {
@@ -271,11 +274,11 @@ Table to_table(const BetweenRecordings& between, const std::vector<CampaignRecor
                 {"n_left_out", counts([&](std::size_t k) { return summary(k).n_left_out; })},
                 {"n_outliers", counts([&](std::size_t k) { return summary(k).n_outliers; })},
                 {"scatter", reals([&](std::size_t k) { return summary(k).scatter; })},
-                {"eps", reals([&](std::size_t k) { return rows[k].eps; })},
-                {"sigma_eps", reals([&](std::size_t k) { return rows[k].se; })},
-                {"offset", reals([&](std::size_t k) { return rows[k].offset; })},
-                {"standardised", reals([&](std::size_t k) { return rows[k].standardised; })},
-                {"p_value", reals([&](std::size_t k) { return rows[k].p_value; })},
+                {"eps", of_model(&RecordingRow::eps)},
+                {"sigma_eps", of_model(&RecordingRow::se)},
+                {"offset", of_model(&RecordingRow::offset)},
+                {"standardised", of_model(&RecordingRow::standardised)},
+                {"p_value", of_model(&RecordingRow::p_value)},
                 {"group_eps", of_group([](const GroupRestitution& g) { return g.eps.value; })},
                 {"group_sigma_eps", of_group([](const GroupRestitution& g) { return *g.eps.se; })},
                 {"group_lo95",
